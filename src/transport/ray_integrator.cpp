@@ -75,14 +75,14 @@ public:
             sources.push_back(
                 {LightReach(owners), ofLight, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
         }
-        std::vector<LitCount> counts;
+        std::vector<LitSum> counts;
         const ShadowPass pass{
             paths_,       pattern_, map,          gridOf(map), request.texels, shadowSamplesOf(request),
             timesOnEdges, progress, "shadowmask", rays_};
         if (Status s = traceShadows(pass, sources, counts); !s) return s;
         forEachIndex(request.texels.size(), [&](std::size_t i) {
             for (std::size_t c = 0; c < channels.size(); ++c) {
-                const LitCount& count = counts[i * channels.size() + c];
+                const LitSum& count = counts[i * channels.size() + c];
                 // A mask of light is 0 where the light would not illuminate the texel.
                 out[i][channels[c] - first] = sources[c].lit && !count.any() ? 0.0f : count.share();
             }

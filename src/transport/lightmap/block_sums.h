@@ -58,7 +58,7 @@ public:
         inverseSquares_.fill(0.0f);
     }
     /// Adds light that arrives along the rays of a stratum.
-    void add(std::size_t stratum, const Vec3Lanes<kLanes>& irradiance, std::span<const Ray, kLanes> rays)
+    void add(std::size_t stratum, const Vec3Lanes& irradiance, std::span<const Ray, kLanes> rays)
     {
         Half& half = halves_[halfOf(stratum)];
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -90,8 +90,8 @@ public:
 
 private:
     struct Half {
-        Vec3Lanes<kLanes> irradiance;
-        Vec3Lanes<kLanes> moment;
+        Vec3Lanes irradiance;
+        Vec3Lanes moment;
     };
     static std::size_t halfOf(std::size_t stratum) { return ((stratum >> 2) ^ (stratum >> 1)) & 1u; }
 

@@ -53,7 +53,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& ra
     weightHits(group, number, radiance, rays);
     // A loop of its own: vector loads right after scalar stores to the same memory would stall.
     for (std::size_t stratum = 0; stratum < radiance.size(); ++stratum) {
-        Vec3Lanes<kLanes>& r = radiance[stratum];
+        Vec3Lanes& r = radiance[stratum];
         for (std::size_t l = 0; l < kLanes; ++l) {
             block_.sums.addDistance(l, block_.bundle.hits[stratum][l].distance);
             r.x[l] *= kPi;
@@ -73,7 +73,7 @@ void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& ra
     SampleList sources;
     SampleList emissive;
     for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
-        Vec3Lanes<kLanes>& r = radiance[std::size_t(stratum)];
+        Vec3Lanes& r = radiance[std::size_t(stratum)];
         for (int lane = 0; lane < kLanes; ++lane) {
             const auto l = std::size_t(lane);
             const std::size_t sample = sampleOf(stratum, lane);

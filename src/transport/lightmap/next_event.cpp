@@ -78,7 +78,7 @@ float NextEvent::misWeightOfHit(const RayBundle& bundle, int stratum, int lane, 
 /// Makes the samples of the lanes in `sky` points of the sky. Their distance is beyond all geometry, which is at most
 /// 1e7 m from the origin, and small enough for the square of it.
 void NextEvent::setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
-                       const Vec2Lanes<kLanes>& u, EmitterLanes& lanes) const
+                       const Vec2Lanes& u, EmitterLanes& lanes) const
 {
     constexpr float kSkyMeters = 1.0e9f;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -183,7 +183,7 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
             LightTree::Points positions;
             LightTree::Cut::Lanes<bool> wanted;
             LightTree::Cut::Lanes<bool> sky{};
-            Vec2Lanes<kLanes> u{};
+            Vec2Lanes u{};
             const int order = StratifiedPattern::orderOf(int(stratum), number);
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 positions.set(lane, block.bundle.origin(stratum, int(lane)));
@@ -238,7 +238,7 @@ void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, Gathe
     rays += traced;
     std::array<float, kLanes> transmittance;
     paths_.surfaces().transmittance(batch, transmittance);
-    Vec3Lanes<kLanes> irradiance;
+    Vec3Lanes irradiance;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const bool lit = !batch[lane].meetsNothing() && transmittance[lane] > 0.0f;
         irradiance.set(lane, lit ? lanes.radiance[lane] * (unshadowed[lane] * transmittance[lane]) : vec3(0.0f));

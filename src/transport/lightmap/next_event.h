@@ -68,7 +68,7 @@ private:
     }
     void chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata);
     void setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
-                const Vec2Lanes<kLanes>& u, EmitterLanes& lanes) const;
+                const Vec2Lanes& u, EmitterLanes& lanes) const;
     void setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes) const;
     template<typename Choose>
     void addSamples(std::span<const uint8_t> strata, const Choose& choose, GatherBlock& block, uint64_t& rays);

@@ -97,8 +97,7 @@ EmitterSample Emitters::sample(vec3 position, vec3 normal, vec2 u) const
 }
 
 void Emitters::sample(const LightTree::Cut& cut, const LightTree::Points& positions, const LightTree::Points& normals,
-                      const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes<kLanes>& u,
-                      EmitterLanes& samples) const
+                      const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes& u, EmitterLanes& samples) const
 {
     LightTree::Cut::Lanes<LightTree::Choice> choices;
     tree_.sample(cut, positions, normals, wanted, u.x, choices);

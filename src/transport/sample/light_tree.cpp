@@ -48,12 +48,9 @@ float LightTree::importance(const Node& node, vec3 position, vec3 normal)
 LightTree::Weights LightTree::importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                          const Points& normals) const
 {
-    NodeLanes<kLanes> lanes;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) lanes.set(lane, nodes_[nodes[lane]]);
     Weights weights;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        weights[lane] = importance(lanes[lane], positions[lane], normals[lane]);
-    }
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+        weights[lane] = importance(nodes_[nodes[lane]], positions[lane], normals[lane]);
     return weights;
 }
 
@@ -62,26 +59,26 @@ float LightTree::total(vec3 position, vec3 normal) const
     return importance(nodes_[kRoot], position, normal);
 }
 
-LightTree::Quad::Lanes<float> LightTree::probabilities(const Quad& quad, vec3 position, vec3 normal) const
+LightTree::Step LightTree::stepFrom(uint32_t node, vec3 position, vec3 normal) const
 {
-    Quad::Lanes<float> weights;
-    for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
-        weights[lane] = importance(quad.nodes[lane], position, normal);
-    }
-    const float sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
-    if (!(sum > 0.0f && sum < kInfinity)) {
-        if (sum <= 0.0f) return {};
-        // The sum overflowed; uniform probabilities are unbiased.
-        const auto count =
-            float(std::count_if(quad.number.begin(), quad.number.end(), [](uint32_t n) { return n != ~0u; }));
-        for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
-            weights[lane] = quad.number[lane] != ~0u ? 1.0f / count : 0.0f;
+    Step step;
+    for (const uint32_t child : {node + 1, nodes_[node].second}) {
+        if (nodes_[child].leaf) {
+            step.node[step.count++] = child;
+        } else {
+            step.node[step.count++] = child + 1;
+            step.node[step.count++] = nodes_[child].second;
         }
-        return weights;
     }
+    std::array<float, 4>& weights = step.probability;
+    for (std::size_t i = 0; i < step.count; ++i) weights[i] = importance(nodes_[step.node[i]], position, normal);
+    const float sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
+    if (sum <= 0.0f) return step;
+    // If the sum overflowed, even probabilities are unbiased.
     const float inverse = 1.0f / sum;
-    for (float& weight : weights) weight *= inverse;
-    return weights;
+    for (std::size_t i = 0; i < step.count; ++i)
+        weights[i] = sum < kInfinity ? weights[i] * inverse : 1.0f / float(step.count);
+    return step;
 }
 
 LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_t node) const
@@ -91,22 +88,20 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
         return {~0u, 0.0f, u};
     }
     while (!nodes_[node].leaf) {
-        const Quad& quad = quads_[nodes_[node].quad];
-        const Quad::Lanes<float> p = probabilities(quad, position, normal);
+        const Step step = stepFrom(node, position, normal);
         float below = 0.0f;
-        std::size_t lane = 0;
-        std::size_t last = Quad::kLanes; // with a probability above 0
-        for (; lane < Quad::kLanes; ++lane) {
-            if (!(p[lane] > 0.0f)) continue;
-            last = lane;
-            if (choice.u < below + p[lane]) break;
-            below += p[lane];
+        std::size_t chosen = step.count;
+        for (std::size_t i = 0; i < step.count; ++i) {
+            if (!(step.probability[i] > 0.0f)) continue;
+            if (chosen < step.count) below += step.probability[chosen];
+            chosen = i;
+            if (choice.u < below + step.probability[i]) break;
         }
-        if (last == Quad::kLanes) return {~0u, 0.0f, u};
-        if (lane == Quad::kLanes) below -= p[last]; // rounding
-        choice.u = std::clamp((choice.u - below) / p[last], 0.0f, 0x1.fffffep-1f);
-        choice.probability *= p[last];
-        node = quad.number[last];
+        if (chosen == step.count) return {~0u, 0.0f, u};
+        const float probability = step.probability[chosen];
+        choice.u = std::clamp((choice.u - below) / probability, 0.0f, 0x1.fffffep-1f);
+        choice.probability *= probability;
+        node = step.node[chosen];
     }
     choice.item = nodes_[node].second;
     return choice;
@@ -158,15 +153,15 @@ float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 pos
     }
     float probability = 1.0f;
     while (levels > 0) {
-        // Quads cover two levels; one level is left if their number is odd.
-        const int step = levels % 2 == 0 ? 2 : 1;
+        // One level is left if their number is odd.
+        const bool two = levels % 2 == 0;
         const uint32_t parent = nodes_[node].parent;
-        const uint32_t from = step == 2 ? nodes_[parent].parent : parent;
-        const Quad& quad = quads_[nodes_[from].quad];
-        const Quad::Lanes<float> p = probabilities(quad, position, normal);
-        probability *= p[std::size_t(std::find(quad.number.begin(), quad.number.end(), node) - quad.number.begin())];
+        const uint32_t from = two ? nodes_[parent].parent : parent;
+        const Step step = stepFrom(from, position, normal);
+        probability *=
+            step.probability[std::size_t(std::find(step.node.begin(), step.node.end(), node) - step.node.begin())];
         node = from;
-        levels -= step;
+        levels -= two ? 2 : 1;
     }
     return probability;
 }

@@ -189,7 +189,7 @@ Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> l
         sources.push_back({LightReach(std::vector{light}), true, hashCombine(seed, uint32_t(light - first))});
     const auto rays = float(pass.timesOnEdges * pass.samples);
     const Progress shadows = partOf(pass.progress, 0.0, 0.9);
-    std::vector<LitCount> counts;
+    std::vector<LitSum> counts;
     if (Status s = traceShadows(pass.of(pass.texels, shadows), sources, counts); !s) return s;
     const auto addTo = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -197,7 +197,7 @@ Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> l
             if (!estimate.valid) continue;
             Unshadowed unshadowed(pass, i);
             for (std::size_t l = 0; l < lights.size(); ++l) {
-                const LitCount& lit = counts[i * lights.size() + l];
+                const LitSum& lit = counts[i * lights.size() + l];
                 if (!lit.any()) continue;
                 const float strength = lights[l]->shadowStrength;
                 const float transmittance = glm::mix(1.0f, lit.share(), strength);

@@ -14,12 +14,14 @@ namespace {
 /// than a third of them, on a small chart, is no evidence.
 constexpr int kAgreeRadius = 3;
 constexpr int kEnoughTexels = (2 * kAgreeRadius + 1) * (2 * kAgreeRadius + 1) / 3;
-/// Limit from LitCount, an even number of half-batches.
-constexpr int kMostHalves = LitCount::kMostRays / (2 * ShadowRays::kHalf) * 2;
+/// Most rays of a texel to a light: each of them still counts in the sums.
+constexpr int kMostRays = 1 << 16;
+/// An even number of half-batches.
+constexpr int kMostHalves = kMostRays / (2 * ShadowRays::kHalf) * 2;
 
 class ShadowTracer {
 public:
-    ShadowTracer(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
+    ShadowTracer(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts)
         : pass_(pass), sources_(sources), counts_(counts), asked_(pass.map, pass.texels), set_(asked_)
     {
         set_.extend([&](uint32_t texel, const auto& add) { pass.grid.around(texel, kAgreeRadius, add); });
@@ -73,7 +75,7 @@ private:
     void traceFirst(const ShadowGroup& group, std::size_t first, uint64_t& rays)
     {
         // The rays of a texel with invalid points do not count.
-        std::array<LitCount*, kLanes> counted{};
+        std::array<LitSum*, kLanes> counted{};
         for (int lane = 0; lane < group.lanes(); ++lane) {
             std::size_t number = 0;
             if (isAsked(group.texel(lane), number) && validPoints(number) == kAllPoints)
@@ -230,7 +232,7 @@ private:
 
     const ShadowPass& pass_;
     const std::vector<ShadowSource>& sources_;
-    std::vector<LitCount>& counts_; ///< by texel of the pass and source
+    std::vector<LitSum>& counts_; ///< by texel of the pass and source
     TexelSet asked_;
     TexelSet set_;                ///< the pass's texels and their neighbours
     bool whole_;                  ///< both sets are the same
@@ -242,10 +244,10 @@ private:
 
 } // namespace
 
-Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
+Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts)
 {
     assert(sources.size() <= kMaxShadowSources);
-    counts = largeVector<LitCount>(pass.texels.size() * sources.size());
+    counts = largeVector<LitSum>(pass.texels.size() * sources.size());
     if (sources.empty()) return {};
     return ShadowTracer(pass, sources, counts).trace();
 }

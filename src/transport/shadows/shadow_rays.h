@@ -89,6 +89,15 @@ struct LitSum {
         all += weight;
         range.add(transmittance);
     }
+    void add(const LitSum& other)
+    {
+        lit += other.lit;
+        all += other.all;
+        range.add(other.range);
+    }
+    [[nodiscard]] bool any() const { return all > 0.0f; }
+    [[nodiscard]] bool mixed() const { return range.mixed(); }
+    [[nodiscard]] float share() const { return any() ? std::min(lit / all, 1.0f) : 1.0f; }
 };
 
 /// A light, or several of which at most one reaches any point.

@@ -50,16 +50,16 @@ struct RayBundle {
             blocks[std::size_t(lane)] = pattern.block(hashCombine(seed, group.id(lane)), number);
             active += group.active(lane) ? 1 : 0;
         }
-        std::array<Vec3Lanes<kLanes>, StratifiedPattern::kBlock> locals;
+        std::array<Vec3Lanes, StratifiedPattern::kBlock> locals;
         for (const uint8_t stratum : strata) {
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 locals[stratum].set(lane, pattern.direction(blocks[lane].bits(stratum)));
             }
         }
         for (const uint8_t stratum : strata) {
-            const Vec3Lanes<kLanes>& local = locals[stratum];
+            const Vec3Lanes& local = locals[stratum];
             const Frames& f = frame(stratum);
-            Vec3Lanes<kLanes> direction;
+            Vec3Lanes direction;
             for (std::size_t l = 0; l < kLanes; ++l) {
                 const vec3 g = f.geometricNormal[l];
                 vec3 d = local.x[l] * f.tangent[l] + local.y[l] * f.bitangent[l] + local.z[l] * f.normal[l];
@@ -80,10 +80,10 @@ struct RayBundle {
 
     /// Frames of the points that a stratum's rays start from.
     struct Frames {
-        Vec3Lanes<kLanes> tangent;
-        Vec3Lanes<kLanes> bitangent;
-        Vec3Lanes<kLanes> normal;
-        Vec3Lanes<kLanes> geometricNormal;
+        Vec3Lanes tangent;
+        Vec3Lanes bitangent;
+        Vec3Lanes normal;
+        Vec3Lanes geometricNormal;
     };
     [[nodiscard]] const Frames& frame(std::size_t stratum) const { return frames_[flat_ ? 0 : stratum]; }
     [[nodiscard]] vec3 origin(std::size_t stratum, int lane) const { return rays[stratum][std::size_t(lane)].origin; }
