@@ -122,18 +122,13 @@ SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, const 
     const std::string name = frontName(surfacesHash(scene), settings);
     const bool keeps = settings.only.empty(); // a bake of some objects may still be refused, and leaves nothing behind
     return [=, &tree, &progress, test = std::move(test)](const Scene& cut, double texelMeters) {
-        const auto count = [&](std::size_t mesh) {
-            std::size_t triangles = 0;
-            for (const MeshPart& part : cut.meshes[mesh].parts) triangles += part.indices.size() / 3;
-            return triangles;
-        };
         std::vector<std::vector<SheetTexels>> texels(cut.meshes.size());
         if (const auto bytes = PartFolder(cache / (name + ".sheets")).read(kSheets)) {
             ByteReader reader(*bytes);
             bool fits = true;
             for (std::size_t m = 0; m < texels.size(); ++m) {
                 reader.read(texels[m]);
-                fits = fits && (texels[m].empty() || texels[m].size() == count(m));
+                fits = fits && (texels[m].empty() || texels[m].size() == cut.meshes[m].triangleCount());
             }
             if (fits && reader.complete()) return texels;
         }
