@@ -71,9 +71,9 @@ void partGather(const Options& options)
             parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
                 FinalGather gather(paths, pattern, &radiosity->solution.cache, &guides, settings);
                 uint64_t rays = 0;
-                for (std::size_t g = begin * kRun; g < end * kRun; g += TexelGroup::kLanes) {
-                    const GatherGroup group(paths, p.map, std::span(&chosen[g], TexelGroup::kLanes));
-                    std::array<TexelEstimate, TexelGroup::kLanes> estimates;
+                for (std::size_t g = begin * kRun; g < end * kRun; g += kLanes) {
+                    const GatherGroup group(paths, p.map, std::span(&chosen[g], kLanes));
+                    std::array<TexelEstimate, kLanes> estimates;
                     gather.add(group, 0, 4, estimates, rays);
                 }
                 total += rays;
@@ -218,10 +218,10 @@ void partMasks(const Options& options)
         settings.samples = 16;
         auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
         if (!made) std::exit(1);
-        (*made)->findValidPoints(p.map, {});
+        if (!(*made)->findValidPoints(p.map, nullptr, {})) std::exit(1);
         std::vector<vec4> mask(p.map.texels.size());
         const double start = cpuSeconds();
-        (*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, 0, mask, {});
+        if (!(*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, 0, mask, {})) std::exit(1);
         const double cpu = cpuSeconds() - start;
         int lights = 0;
         for (const Light& light : p.scene.lights) lights += light.baking.occlusionMaskChannel >= 0 ? 1 : 0;

@@ -51,8 +51,9 @@ Run integrate(const Prepared& p, const TexelMap& map, const IntegrationSettings&
     run.estimates.resize(map.texels.size());
     TexelMap valid = map;
     const double start = cpuSeconds();
-    (*made)->findValidPoints(valid, {});
-    (*made)->irradiance(valid, {allIndices(map.texels.size())}, run.estimates, {});
+    const bool done = (*made)->findValidPoints(valid, nullptr, {}) &&
+                      (*made)->prepare(valid, nullptr)->irradiance({allIndices(map.texels.size())}, run.estimates, {});
+    if (!done) std::exit(1);
     run.cpu = cpuSeconds() - start;
     run.rays = (*made)->raysTraced();
     return run;

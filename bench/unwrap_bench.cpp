@@ -324,9 +324,7 @@ int main(int argc, char** argv)
             continue;
         }
         std::size_t triangles = 0;
-        for (const Mesh& mesh : scene->meshes) {
-            for (const MeshPart& part : mesh.parts) triangles += part.indices.size() / 3;
-        }
+        for (const Mesh& mesh : scene->meshes) triangles += mesh.triangleCount();
         const Scene source = withRatios ? *scene : Scene();
         const Run run = timedUnwrap(std::move(*scene), settings, withTests);
         const Result<UnwrappedScene>& result = run.result;

@@ -181,7 +181,7 @@ int runBake(const CLI::App& app, const BakeOptions& given)
     }
 
     Result<BakeResult> result = bake(std::move(*scene), options.bake, embreeIntegrators(), progress);
-    if (result && interrupted()) result = Error{ErrorCode::Cancelled, "interrupted"};
+    if (result && interrupted()) result = cancelledError();
     if (!result) {
         display.reset();
         return fail(options.scene, result.error());

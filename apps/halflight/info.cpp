@@ -35,9 +35,7 @@ Counts countScene(const BakedScene& baked)
     Counts counts;
     std::vector<uint64_t> trianglesOfMesh;
     for (const Mesh& mesh : baked.scene.meshes) {
-        uint64_t& triangles = trianglesOfMesh.emplace_back(0);
-        for (const MeshPart& part : mesh.parts) triangles += part.indices.size() / 3;
-        counts.storedTriangles += triangles;
+        counts.storedTriangles += trianglesOfMesh.emplace_back(mesh.triangleCount());
         counts.parts += mesh.parts.size();
     }
     for (const Object& object : baked.scene.objects) {

@@ -188,7 +188,7 @@ Result<Picture> tracePicture(const RenderOptions& options, const Scene& scene, c
     settings.clampNits = options.referenceClamp;
     settings.surfaces = referenceSurfaces(options.render.specular, !options.referenceDiffuse);
     Result<ImageRgb32f> traced = renderReference(scene, camera, options.render.size, settings, display.progress());
-    if (traced && interrupted()) return Error{ErrorCode::Cancelled, "interrupted"};
+    if (traced && interrupted()) return cancelledError();
     if (!traced) return traced.error();
     Picture picture;
     picture.radiance = ImageRgba32f(traced->width(), traced->height());
@@ -320,7 +320,7 @@ int runRender(RenderOptions options)
                                                            : renderPicture(options, *baked, *camera);
     if (!picture) return fail(options.file, picture.error());
     describeView(options, baked->scene, *camera, picture->summary);
-    if (!commitOutput()) return fail(options.file, Error{ErrorCode::Cancelled, "interrupted"});
+    if (!commitOutput()) return fail(options.file, cancelledError());
     if (Status status = writePicture(options, *picture); !status) return fail(options.output, status.error());
 
     const std::size_t said = warnings.size();

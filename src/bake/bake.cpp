@@ -33,6 +33,14 @@
 namespace halflight {
 namespace {
 
+/// What the texels have in common goes with the end of this stage.
+Status irradianceStage(const BakeRun& run, const CachedIntegrator& cached, std::span<IrradianceEstimate> estimates)
+{
+    const std::unique_ptr<PreparedLightmap> lightmap = cached.prepare();
+    return run.live != nullptr ? run.live->irradiance(cached, *lightmap, estimates, run.progress)
+                               : cached.irradiance(*lightmap, estimates, run.progress);
+}
+
 /// Estimates of all texels; in subtractive bakes also the main light's mask and direct light.
 Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::vector<IrradianceEstimate>& estimates,
                      std::optional<MainLight>& main)
@@ -41,16 +49,13 @@ Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::ve
     Integrator& integrator = cached.integrator;
     StageTimer timer(report, "lightmap");
     const uint64_t earlier = integrator.raysTraced();
-    const bool done = run.live != nullptr ? run.live->irradiance(cached, estimates, run.progress)
-                                          : cached.irradiance(estimates, run.progress);
-    if (!done) return cancelledError();
-    integrator.releaseIrradiance();
+    if (Status s = irradianceStage(run, cached, estimates); !s) return s;
     timer.finish(integrator.raysTraced() - earlier);
     main = findMainLight(run.baked().scene);
     if (main) {
         StageTimer mainTimer(report, "main light");
         const uint64_t before = integrator.raysTraced();
-        if (!bakeMainLight(cached, *main, run.progress)) return cancelledError();
+        if (Status s = bakeMainLight(cached, *main, run.progress); !s) return s;
         mainTimer.finish(integrator.raysTraced() - before);
     }
     reportNoise(estimates, main, report);
@@ -156,7 +161,7 @@ Status shadowmaskStage(const BakeRun& run, const CachedIntegrator& cached, const
     baked.shadowmasks.resize(baked.lightmaps.size() * std::size_t(baked.maskLayers));
     for (int layer = 0; layer < baked.maskLayers; ++layer) {
         std::vector<vec4> mask = largeVector<vec4>(cached.map.texels.size());
-        if (!cached.shadowmask(layer, mask, run.progress)) return cancelledError();
+        if (Status s = cached.shadowmask(layer, mask, run.progress); !s) return s;
         const std::span<MaskChannel, kLayerChannels> channels(&baked.maskChannels[std::size_t(layer * kLayerChannels)],
                                                               kLayerChannels);
         std::vector<ImageRgba8> pages = maskPages(cached, valid, seams, std::move(mask), distances, channels);
@@ -178,17 +183,16 @@ Status probeStage(const BakeRun& run, const CachedIntegrator& cached)
     BakedScene& baked = run.baked();
     StageTimer timer(report, "probes");
     const uint64_t before = cached.integrator.raysTraced();
-    std::optional<BakedProbes> probes =
-        bakeProbes(baked.scene, run.settings.probeSpacingMeters, run.settings.probeLayout,
-                   cached.settings.cache.denoised, cached, report.warnings, run.progress);
-    if (!probes) return cancelledError();
+    Result<BakedProbes> probes = bakeProbes(baked.scene, run.settings.probeSpacingMeters, run.settings.probeLayout,
+                                            cached.settings.cache.denoised, cached, report.warnings, run.progress);
+    if (!probes) return probes.error();
     baked.probes = std::move(probes->set);
     if (addProbeLayers(baked.probes) && run.settings.probeLayout == ProbeLayout::Grid)
         report.warnings.push_back(
             "probes: those outside geometry lie in one plane, so the file holds a list of them and "
             "their copies above, and no grid; a smaller --probe-spacing gives more layers");
-    std::optional<ProbeSight> sight = findProbeSight(baked.probes, cached.integrator, run.progress);
-    if (!sight) return cancelledError();
+    Result<ProbeSight> sight = findProbeSight(baked.probes, cached.integrator, run.progress);
+    if (!sight) return sight.error();
     baked.probes.sight = std::move(*sight);
     report.probeCheck = checkProbes(baked, *probes, report.warnings);
     report.probeCount = int(baked.probes.probes.size());
@@ -204,9 +208,10 @@ Status reflectionStage(const BakeRun& run, const CachedIntegrator& cached)
     BakeReport& report = run.report();
     StageTimer timer(report, "reflection probes");
     const uint64_t before = cached.integrator.raysTraced();
-    if (!bakeReflections(run.baked(), cached, run.result.irradiance, report.quality.reflectionSize, report.warnings,
-                         run.progress))
-        return cancelledError();
+    if (Status s = bakeReflections(run.baked(), cached, run.result.irradiance, report.quality.reflectionSize,
+                                   report.warnings, run.progress);
+        !s)
+        return s;
     report.reflectionProbeCount = int(run.baked().reflections.probes.size());
     timer.finish(cached.integrator.raysTraced() - before);
     return {};
@@ -220,7 +225,7 @@ Status traceStages(const BakeRun& run, const CachedIntegrator& cached)
     if (Status s = lightmapStage(run, cached, estimates, main); !s) return s;
     StageTimer timer(run.report(), "find seams");
     std::vector<SeamSample> seams = findSeams(cached.geometry, cached.map.pageSize);
-    dropHiddenSeams(cached.integrator, seams);
+    if (Status s = dropHiddenSeams(cached.integrator, seams); !s) return s;
     timer.finish();
     if (Status s = denoiseStage(run, cached, seams, estimates); !s) return s;
     std::vector<uint8_t> valid;
@@ -263,7 +268,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     FirstStages firstStages;
     if (Status status = prepareTexels(run, std::move(scene), integratorFactory, CacheUse{}, firstStages); !status)
         return status.error();
-    if (live != nullptr && !live->begin(result.baked, firstStages.cached(), progress)) return cancelledError();
+    if (live != nullptr)
+        if (Status s = live->begin(result.baked, firstStages.cached(), progress); !s) return s.error();
     if (Status status = validityStage(run, firstStages); !status) return status.error();
     std::optional<BakeCache>& cache = firstStages.cache;
     const CachedIntegrator cached = firstStages.cached();

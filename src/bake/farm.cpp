@@ -55,47 +55,38 @@ private:
     uint32_t processes_;
 };
 
-/// The error of a stage that returned false.
-Error reasonOf(const Progress& progress, const FirstStages& firstStages)
-{
-    return progress.cancelled() || firstStages.cache->status() ? cancelledError() : firstStages.cache->status().error();
-}
-
 /// The first process solves the radiosity system. The others do probes and masks meanwhile, and then find the solution,
 /// or solve it themselves.
-Status prepareStage(const BakeRun& run, FirstStages& firstStages, const FarmBake& planned, const FarmWork& work)
+Status prepareStage(const BakeRun& run, FirstStages& firstStages, PreparedLightmap& lightmap, const FarmBake& planned,
+                    const FarmWork& work)
 {
     PartFolder& parts = firstStages.cache->parts();
     if (parts.contains(kPrepared)) return {};
     const bool first = parts.share().index == 0;
-    const bool shared = first ? firstStages.integrator->prepareIrradiance(firstStages.map, run.progress)
-                              : firstStages.integrator->shareIrradiance(firstStages.map, run.progress);
-    if (!shared) return reasonOf(run.progress, firstStages);
+    if (Status s = first ? lightmap.prepareAll(run.progress) : lightmap.prepareParts(run.progress); !s) return s;
     const BakeSettings& settings = run.settings;
     std::vector<std::string> warnings; // the bake's own run of this stage says them
     const auto probes =
         bakeProbes(run.baked().scene, settings.probeSpacingMeters, settings.probeLayout,
                    firstStages.integration.cache.denoised, firstStages.cached(), warnings, run.progress);
-    if (!probes) return reasonOf(run.progress, firstStages);
+    if (!probes) return probes.error();
     if (!first) {
         const int layers = work.stage == FarmStage::All ? planned.maskLayers : 0;
-        if (!firstStages.cached().fillShadowmasks(layers, work.tiles, run.progress))
-            return reasonOf(run.progress, firstStages);
-        if (!firstStages.integrator->prepareIrradiance(firstStages.map, run.progress))
-            return reasonOf(run.progress, firstStages);
+        if (Status s = firstStages.cached().fillShadowmasks(layers, work.tiles, run.progress); !s) return s;
+        if (Status s = lightmap.prepareAll(run.progress); !s) return s;
     }
     if (parts.status()) parts.write(kPrepared, {});
     return parts.status();
 }
 
-Status tileStage(const BakeRun& run, FirstStages& firstStages, const FarmBake& planned, const FarmWork& work)
+Status tileStage(const BakeRun& run, FirstStages& firstStages, PreparedLightmap& lightmap, const FarmBake& planned,
+                 const FarmWork& work)
 {
     if (!firstStages.cache->parts().contains(kPrepared))
         return Error{ErrorCode::Unsupported, "the cache stage is not complete, which the tiles need"};
     const CachedIntegrator cached = firstStages.cached();
-    if (!cached.fillIrradiance(work.tiles, run.progress)) return reasonOf(run.progress, firstStages);
-    if (!cached.fillShadowmasks(planned.maskLayers, work.tiles, run.progress))
-        return reasonOf(run.progress, firstStages);
+    if (Status s = cached.fillIrradiance(lightmap, work.tiles, run.progress); !s) return s;
+    if (Status s = cached.fillShadowmasks(planned.maskLayers, work.tiles, run.progress); !s) return s;
     return firstStages.cache->status();
 }
 
@@ -156,11 +147,12 @@ Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const F
         firstStages.cache->parts().path().filename() != planned.folder)
         return Error{ErrorCode::FileInvalid, "has other texels than the plan says: plan anew"};
     if (Status status = validityStage(run, firstStages); !status) return status.error();
+    const std::unique_ptr<PreparedLightmap> lightmap = firstStages.cached().prepare();
     if (work.stage != FarmStage::Tiles) {
-        if (Status status = prepareStage(run, firstStages, planned, work); !status) return status.error();
+        if (Status status = prepareStage(run, firstStages, *lightmap, planned, work); !status) return status.error();
     }
     if (work.stage != FarmStage::Cache && !work.tiles.empty()) {
-        if (Status status = tileStage(run, firstStages, planned, work); !status) return status.error();
+        if (Status status = tileStage(run, firstStages, *lightmap, planned, work); !status) return status.error();
     }
     result.report.cache = firstStages.cache->counts();
     result.report.warnings = std::move(firstStages.notes);

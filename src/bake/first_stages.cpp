@@ -30,8 +30,8 @@ struct PageLayout {
 };
 
 /// Lightmap coordinates; the scene moves into the result.
-Result<UnwrappedScene> unwrapOrTake(const BakeRun& run, Scene scene, const CrossingTest& crossingTest,
-                                    const SheetTest& sheetTest, std::optional<PartFolder>& kept)
+Result<UnwrappedScene> unwrapOrTake(const BakeRun& run, Scene scene, SourceTree& tree, const SheetTest& sheetTest,
+                                    std::optional<PartFolder>& kept)
 {
     UnwrappedScene taken;
     if (kept && takeUnwrapped(*kept, scene, taken)) return taken;
@@ -43,17 +43,19 @@ Result<UnwrappedScene> unwrapOrTake(const BakeRun& run, Scene scene, const Cross
     settings.cutPage = run.settings.lightmapSize == 0;
     if (run.settings.lightmapSize == 0 && run.settings.texelsPerMeter == 0.0f)
         settings.mostTexelsPerMeter = sceneDensity(scene, settings.pageSize);
-    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), settings, run.progress, crossingTest, sheetTest);
+    Result<UnwrappedScene> unwrapped =
+        unwrap(std::move(scene), settings, run.progress, hiddenSidesTest(tree), sheetTest);
+    if (!tree.status()) return tree.status().error();
     if (unwrapped && kept) keepUnwrapped(*kept, *unwrapped);
     return unwrapped;
 }
 
-Result<PageLayout> unwrapStage(const BakeRun& run, Scene scene, const CrossingTest& crossingTest,
-                               const SheetTest& sheetTest, std::optional<PartFolder>& kept)
+Result<PageLayout> unwrapStage(const BakeRun& run, Scene scene, SourceTree& tree, const SheetTest& sheetTest,
+                               std::optional<PartFolder>& kept)
 {
     BakeReport& report = run.report();
     StageTimer timer(report, "unwrap");
-    Result<UnwrappedScene> unwrapped = unwrapOrTake(run, std::move(scene), crossingTest, sheetTest, kept);
+    Result<UnwrappedScene> unwrapped = unwrapOrTake(run, std::move(scene), tree, sheetTest, kept);
     if (!unwrapped) return unwrapped.error();
     BakedScene& baked = run.baked();
     baked.scene = std::move(unwrapped->scene);
@@ -234,14 +236,16 @@ Status prepareTexels(const BakeRun& run, Scene scene, const IntegratorFactory& f
     if (kept)
         for (std::string& note : moveFoldersAway(*kept)) firstStages.notes.push_back(std::move(note));
     firstStages.integration = integrationSettings(run.settings, report.quality);
-    if (run.live != nullptr &&
-        !run.live->beginWithProbes(scene, run.settings, factory, firstStages.integration, run.progress))
-        return cancelledError();
+    if (run.live != nullptr) {
+        Status shown = run.live->beginWithProbes(scene, run.settings, factory, firstStages.integration, run.progress);
+        if (!shown) return shown;
+    }
     assignShadowmaskChannels(scene, run.settings.mode, run.settings.mostMaskLayers);
     SourceTree tree(factory, firstStages.integration);
-    SheetTest sheets = keptSheetTest(scene, run.settings, firstStages.cacheFolder,
-                                     sheetSidesTest(tree, run.settings.twoSided, run.progress), run.progress);
-    const Result<PageLayout> pages = unwrapStage(run, std::move(scene), hiddenSidesTest(tree), std::move(sheets), kept);
+    const SheetTest sheets =
+        keptSheetTest(scene, run.settings, firstStages.cacheFolder,
+                      sheetSidesTest(tree, run.settings.twoSided, run.progress), tree, run.progress);
+    const Result<PageLayout> pages = unwrapStage(run, std::move(scene), tree, sheets, kept);
     if (!pages) return pages.error();
     const double texels =
         double(report.atlasCoverage) * double(pages->count) * double(pages->size) * double(pages->size);
@@ -253,20 +257,16 @@ Status prepareTexels(const BakeRun& run, Scene scene, const IntegratorFactory& f
     firstStages.integrator = std::move(*integrator);
     firstStages.map = rasterizeStage(run, firstStages.geometry, *pages, kept, use.share.has_value());
     if (Status status = openCache(run, objects, use, firstStages); !status) return status;
-    if (firstStages.cache) {
-        if (use.share) firstStages.cache->parts().shareWith(*use.share);
-        firstStages.integrator->keepIn(&firstStages.cache->parts());
-    }
+    if (firstStages.cache && use.share) firstStages.cache->parts().shareWith(*use.share);
     return kept && use.share ? kept->status() : Status();
 }
 
 Status validityStage(const BakeRun& run, FirstStages& firstStages)
 {
     StageTimer timer(run.report(), "validity");
-    const bool found = firstStages.integrator->findValidPoints(firstStages.map, run.progress);
+    PartFolder* const parts = firstStages.cache ? &firstStages.cache->parts() : nullptr;
+    if (Status s = firstStages.integrator->findValidPoints(firstStages.map, parts, run.progress); !s) return s;
     if (run.progress.cancelled()) return cancelledError();
-    if (!found)
-        return firstStages.cache && !firstStages.cache->status() ? firstStages.cache->status() : cancelledError();
     timer.finish(firstStages.integrator->raysTraced());
     return {};
 }

@@ -74,9 +74,4 @@ Status validityStage(const BakeRun& run, FirstStages& firstStages);
 /// Whether the bake has a mask to compute: a shadowmask, or that of subtractive's main light.
 bool hasMask(const Scene& scene, MixedLightingMode mode);
 
-inline Error cancelledError()
-{
-    return {ErrorCode::Cancelled, "interrupted"};
-}
-
 } // namespace halflight

@@ -116,29 +116,24 @@ std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& se
 }
 
 SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, const std::filesystem::path& cache,
-                        SheetTest test, const Progress& progress)
+                        SheetTest test, const SourceTree& tree, const Progress& progress)
 {
     if (cache.empty()) return test;
     const std::string name = frontName(surfacesHash(scene), settings);
     const bool keeps = settings.only.empty(); // a bake of some objects may still be refused, and leaves nothing behind
-    return [=, &progress, test = std::move(test)](const Scene& cut, double texelMeters) {
-        const auto count = [&](std::size_t mesh) {
-            std::size_t triangles = 0;
-            for (const MeshPart& part : cut.meshes[mesh].parts) triangles += part.indices.size() / 3;
-            return triangles;
-        };
+    return [=, &tree, &progress, test = std::move(test)](const Scene& cut, double texelMeters) {
         std::vector<std::vector<SheetTexels>> texels(cut.meshes.size());
         if (const auto bytes = PartFolder(cache / (name + ".sheets")).read(kSheets)) {
             ByteReader reader(*bytes);
             bool fits = true;
             for (std::size_t m = 0; m < texels.size(); ++m) {
                 reader.read(texels[m]);
-                fits = fits && (texels[m].empty() || texels[m].size() == count(m));
+                fits = fits && (texels[m].empty() || texels[m].size() == cut.meshes[m].triangleCount());
             }
             if (fits && reader.complete()) return texels;
         }
         texels = test(cut, texelMeters);
-        if (!keeps || progress.cancelled()) return texels;
+        if (!keeps || progress.cancelled() || !tree.status()) return texels;
         ByteWriter writer;
         for (const std::vector<SheetTexels>& ofMesh : texels) writer.add(ofMesh);
         openBakeFolder(cache, name, ".sheets").write(kSheets, writer.take());

@@ -1,6 +1,8 @@
 #pragma once
 // Results of the first stages as parts of a cache, so that a worker or a re-bake does not compute them again.
 
+#include "bake/geometry/source_tree.h"
+
 #include "halflight/bake/bake.h"
 #include "halflight/bake/part_folder.h"
 #include "halflight/unwrap/unwrap.h"
@@ -26,7 +28,7 @@ bool takeUnwrapped(const PartFolder& folder, Scene& scene, UnwrappedScene& unwra
 /// The test that finds what the last bake of the same surfaces found, if the cache has it. Lights and the sky may have
 /// changed: the charts stay, and with them tiles that the change does not affect.
 SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, const std::filesystem::path& cache,
-                        SheetTest test, const Progress& progress);
+                        SheetTest test, const SourceTree& tree, const Progress& progress);
 
 void keepUnwrapped(PartFolder& folder, const UnwrappedScene& unwrapped);
 

@@ -89,7 +89,7 @@ Result<ImageRgb32f> ReferenceRenderer::render(const Camera& camera, ivec2 size, 
                 picture.data()[i] = vec3(sum / double(settings.samplesPerPixel));
             }
         });
-    if (!finished) return Error{ErrorCode::Cancelled, "interrupted"};
+    if (Status s = impl_->paths.surfaces().outcome(finished); !s) return s.error();
     return picture;
 }
 

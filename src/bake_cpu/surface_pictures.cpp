@@ -134,7 +134,7 @@ Result<std::vector<ImageRgba32f>> surfacePictures(const Scene& scene, const std:
             values[i] = texelRadiance(colors, std::span(points).first(count), bilinear(irradiance[texel.page], place));
         }
     });
-    if (progress.cancelled()) return Error{ErrorCode::Cancelled, "interrupted", ""};
+    if (progress.cancelled()) return cancelledError();
     return dilate(map, values, kDilationRings * scale);
 }
 

@@ -129,7 +129,7 @@ Status writeFileAtomically(const std::filesystem::path& path, const void* bytes,
         stream.write(static_cast<const char*>(bytes), std::streamsize(byteCount));
         stream.close();
         if (!stream) return Error{ErrorCode::WriteFailed, "could not be written to its end (disk full?)"};
-        if (mayReplace && !mayReplace()) return Error{ErrorCode::Cancelled, "interrupted"};
+        if (mayReplace && !mayReplace()) return cancelledError();
         return {};
     });
 }

@@ -222,7 +222,7 @@ Result<std::shared_ptr<Renderer::Uploaded>> Renderer::upload(const BakedScene& b
         auto uploaded = std::make_shared<Uploaded>();
         uploaded->scene =
             std::make_unique<GpuScene>(uploadScene(impl_->device, baked, impl_->textureImages(), detail, cancel));
-        if (cancel != nullptr && *cancel) return Error{ErrorCode::Cancelled, "interrupted", ""};
+        if (cancel != nullptr && *cancel) return cancelledError();
         uploaded->switchesAtBake = shadowSwitches(baked.scene);
         return uploaded;
     });

@@ -129,16 +129,17 @@ private:
 
 } // namespace
 
-bool traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,
-                 std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out, const Progress& progress,
-                 std::atomic<uint64_t>& rays)
+Status traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,
+                   std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out, const Progress& progress,
+                   std::atomic<uint64_t>& rays)
 {
     const ProbeTracer tracer(paths, settings, samples > 0 ? samples : settings.probeSamples);
-    return parallelFor(which.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
+    const bool finished = parallelFor(which.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
         uint64_t traced = 0;
         for (std::size_t i = begin; i < end; ++i) out[i] = tracer.trace(which[i], positions[which[i]], traced);
         rays += traced;
     });
+    return paths.surfaces().outcome(finished);
 }
 
 } // namespace halflight

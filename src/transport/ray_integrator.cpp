@@ -30,7 +30,7 @@ public:
                   const MakeKernels& makeKernels)
         : settings_(settings), paths_(scene, geometry, LightUse::Bake,
                                       settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse, makeKernels),
-          pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
+          pattern_(settings.seed)
     {}
 
     [[nodiscard]] bool ok() const { return paths_.ok(); }
@@ -43,48 +43,19 @@ public:
 
     [[nodiscard]] uint64_t raysTraced() const override { return rays_.load(); }
 
-    bool findValidPoints(TexelMap& map, const Progress& progress) override
+    Status findValidPoints(TexelMap& map, PartFolder* parts, const Progress& progress) override
     {
-        return halflight::findValidPoints(paths_, map, store_, progress, rays_);
+        return halflight::findValidPoints(paths_, map, Store(parts), progress, rays_);
     }
-    void findValidPoints(std::span<const SurfacePoint> points, std::span<uint8_t> out) const override
+    Status findValidPoints(std::span<const SurfacePoint> points, std::span<uint8_t> out) const override
     {
-        halflight::findValidPoints(paths_, points, out);
-    }
-
-    void keepIn(PartFolder* parts) override
-    {
-        store_ = Store(parts);
-        lightmap_.keepIn(store_);
+        return halflight::findValidPoints(paths_, points, out);
     }
 
-    bool shareIrradiance(const TexelMap& map, const Progress& progress) override
-    {
-        return settings_.integrator != IntegratorKind::Cache || lightmap_.shareParts(map, progress, rays_);
-    }
+    std::unique_ptr<PreparedLightmap> prepare(const TexelMap& map, PartFolder* parts) override;
 
-    bool prepareIrradiance(const TexelMap& map, const Progress& progress) override
-    {
-        return settings_.integrator != IntegratorKind::Cache || lightmap_.prepareAll(map, progress, rays_);
-    }
-
-    bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
-                    const Progress& progress) override
-    {
-        const int samples = request.samples > 0 ? request.samples : settings_.samples;
-        if (request.rough)
-            return traceRoughLightmap(paths_, settings_, map, request.texels, samples, out, progress, rays_);
-        const bool done =
-            settings_.integrator == IntegratorKind::Cache
-                ? lightmap_.irradiance(map, request.texels, samples, out, progress, rays_)
-                : tracePathLightmap(paths_, settings_, map, request.texels, samples, out, progress, rays_);
-        return done && addBakedLights(map, request, out, progress);
-    }
-
-    void releaseIrradiance() override { lightmap_.release(); }
-
-    bool shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
-                    const Progress& progress) override
+    Status shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
+                      const Progress& progress) override
     {
         std::fill(out.begin(), out.end(), vec4(1.0f));
         std::vector<ShadowSource> sources;
@@ -104,52 +75,53 @@ public:
             sources.push_back(
                 {LightReach(owners), ofLight, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
         }
-        std::vector<LitCount> counts;
-        if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, shadowSamplesOf(request), timesOnEdges,
-                           progress, "shadowmask", rays_},
-                          sources, counts)) {
-            return false;
-        }
+        std::vector<LitSum> counts;
+        const ShadowPass pass{
+            paths_,       pattern_, map,          gridOf(map), request.texels, shadowSamplesOf(request),
+            timesOnEdges, progress, "shadowmask", rays_};
+        if (Status s = traceShadows(pass, sources, counts); !s) return s;
         forEachIndex(request.texels.size(), [&](std::size_t i) {
             for (std::size_t c = 0; c < channels.size(); ++c) {
-                const LitCount& count = counts[i * channels.size() + c];
+                const LitSum& count = counts[i * channels.size() + c];
                 // A mask of light is 0 where the light would not illuminate the texel.
                 out[i][channels[c] - first] = sources[c].lit && !count.any() ? 0.0f : count.share();
             }
         });
-        return true;
+        return {};
     }
 
-    bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
-                std::span<ProbeEstimate> out, const Progress& progress) override
+    Status probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                  std::span<ProbeEstimate> out, const Progress& progress) override
     {
         return traceProbes(paths_, settings_, positions, which, samples, out, progress, rays_);
     }
 
-    bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
-                        const Progress& progress) override
+    Status radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
+                          const Progress& progress) override
     {
         return traceRadianceAround({paths_, settings_, lightmap, rays}, position, map, progress, rays_);
     }
 
-    bool specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,
-                       std::span<SpecularEstimate> out, const Progress& progress) override
+    Status specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,
+                         std::span<SpecularEstimate> out, const Progress& progress) override
     {
         return traceSpecularLight(paths_, settings_, points, views, out, progress, rays_);
     }
 
-    bool sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
-               std::span<SideEstimate> out, const Progress& progress) override
+    Status sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
+                 std::span<SideEstimate> out, const Progress& progress) override
     {
         return traceSides(paths_, settings_, points, eyes, paths, walks, out, progress, rays_);
     }
 
-    void surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const override
+    Status surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const override
     {
-        traceSegments(paths_.surfaces().kernels(), segments, out);
+        return traceSegments(paths_.surfaces(), segments, out);
     }
 
 private:
+    class Lightmap;
+
     [[nodiscard]] int shadowSamplesOf(const TexelRequest& request) const
     {
         return request.shadowSamples > 0 ? request.shadowSamples : settings_.shadowSamples;
@@ -165,24 +137,58 @@ private:
         return *grid_;
     }
 
-    bool addBakedLights(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
-                        const Progress& progress)
-    {
-        return halflight::addBakedLights({paths_, pattern_, map, gridOf(map), request.texels, shadowSamplesOf(request),
-                                          kTimesOnLightEdges, progress, "lights", rays_},
-                                         settings_.seed ^ kDirectSeed, out);
-    }
-
     IntegrationSettings settings_;
     PathTracer paths_;
     StratifiedPattern pattern_;
-    CachedLightmap lightmap_;
-    Store store_;
     std::unique_ptr<TexelGrid> grid_; ///< of the map of the last call
     const TexelMap* gridMap_ = nullptr;
     std::size_t gridTexels_ = 0;
     std::atomic<uint64_t> rays_{0};
 };
+
+class RayIntegrator::Lightmap final : public PreparedLightmap {
+public:
+    Lightmap(RayIntegrator& integrator, const TexelMap& map, Store store)
+        : all_(integrator), map_(map), cached_(all_.paths_, all_.pattern_, all_.settings_, map, store)
+    {}
+
+    Status irradiance(const TexelRequest& request, std::span<IrradianceEstimate> out, const Progress& progress) override
+    {
+        if (Status s = withoutBakedLights(request, out, progress); !s || request.rough) return s;
+        const ShadowPass pass{all_.paths_,        all_.pattern_,  map_,
+                              all_.gridOf(map_),  request.texels, all_.shadowSamplesOf(request),
+                              kTimesOnLightEdges, progress,       "lights",
+                              all_.rays_};
+        return addBakedLights(pass, all_.settings_.seed ^ kDirectSeed, out);
+    }
+    Status prepareAll(const Progress& progress) override
+    {
+        return isCached() ? cached_.prepareAll(progress, all_.rays_) : Status();
+    }
+    Status prepareParts(const Progress& progress) override
+    {
+        return isCached() ? cached_.prepareParts(progress, all_.rays_) : Status();
+    }
+
+private:
+    [[nodiscard]] bool isCached() const { return all_.settings_.integrator == IntegratorKind::Cache; }
+    Status withoutBakedLights(const TexelRequest& request, std::span<IrradianceEstimate> out, const Progress& progress)
+    {
+        const int samples = request.samples > 0 ? request.samples : all_.settings_.samples;
+        if (isCached() && !request.rough) return cached_.irradiance(request.texels, samples, out, progress, all_.rays_);
+        const auto trace = request.rough ? traceRoughLightmap : tracePathLightmap;
+        return trace(all_.paths_, all_.settings_, map_, request.texels, samples, out, progress, all_.rays_);
+    }
+
+    RayIntegrator& all_;
+    const TexelMap& map_;
+    CachedLightmap cached_;
+};
+
+std::unique_ptr<PreparedLightmap> RayIntegrator::prepare(const TexelMap& map, PartFolder* parts)
+{
+    return std::make_unique<Lightmap>(*this, map, Store(parts));
+}
 
 } // namespace
 

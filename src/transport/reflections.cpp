@@ -103,18 +103,19 @@ private:
 
 } // namespace
 
-bool traceRadianceAround(const RadianceSources& sources, vec3 position, ImageRgb32f& map, const Progress& progress,
-                         std::atomic<uint64_t>& rays)
+Status traceRadianceAround(const RadianceSources& sources, vec3 position, ImageRgb32f& map, const Progress& progress,
+                           std::atomic<uint64_t>& rays)
 {
     const RadianceTracer tracer(sources, position);
     const int size = map.width();
     const Progress quiet{{}, progress.cancel};
-    return parallelFor(std::size_t(map.height()), 1, quiet, "", [&](std::size_t begin, std::size_t end) {
+    const bool finished = parallelFor(std::size_t(map.height()), 1, quiet, "", [&](std::size_t begin, std::size_t end) {
         uint64_t traced = 0;
         for (auto y = int(begin); y < int(end); ++y)
             for (int x = 0; x < size; ++x) map(x, y) = tracer.texel({x, y}, size, traced);
         rays += traced;
     });
+    return sources.paths.surfaces().outcome(finished);
 }
 
 } // namespace halflight

@@ -18,13 +18,13 @@ struct RadianceSources {
     std::span<const ImageRgb32f> lightmap; ///< irradiance by page, lux
     int raysPerTexel = 1;
 };
-/// As Integrator::radianceAround(). False when cancelled.
-bool traceRadianceAround(const RadianceSources& sources, vec3 position, ImageRgb32f& map, const Progress& progress,
-                         std::atomic<uint64_t>& rays);
+/// As Integrator::radianceAround().
+Status traceRadianceAround(const RadianceSources& sources, vec3 position, ImageRgb32f& map, const Progress& progress,
+                           std::atomic<uint64_t>& rays);
 
-/// As Integrator::specularLight(). False when cancelled.
-bool traceSpecularLight(const PathTracer& paths, const IntegrationSettings& settings,
-                        std::span<const SurfacePoint> points, std::span<const vec3> views,
-                        std::span<SpecularEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
+/// As Integrator::specularLight().
+Status traceSpecularLight(const PathTracer& paths, const IntegrationSettings& settings,
+                          std::span<const SurfacePoint> points, std::span<const vec3> views,
+                          std::span<SpecularEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
 
 } // namespace halflight

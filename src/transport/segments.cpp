@@ -15,18 +15,18 @@ Ray rayAlong(vec3 from, vec3 to)
 }
 
 /// The first surfaces, by rays there; for segments that meet one, the last surfaces by rays back.
-void traceBatch(const RayKernels& kernels, std::span<const Segment> segments, std::span<std::optional<vec2>> out)
+void traceBatch(const RayTracer& tracer, std::span<const Segment> segments, std::span<std::optional<vec2>> out)
 {
     std::vector<Ray> rays(segments.size());
     std::vector<RayHit> first(segments.size());
     for (std::size_t i = 0; i < segments.size(); ++i) rays[i] = rayAlong(segments[i].from, segments[i].to);
-    kernels.nearest(rays, first);
+    tracer.nearest(rays, first);
     std::vector<Ray> back;
     for (std::size_t i = 0; i < segments.size(); ++i) {
         if (first[i].found()) back.push_back({segments[i].to, 0.0f, -rays[i].direction, rays[i].tMax});
     }
     std::vector<RayHit> last(back.size());
-    kernels.nearest(back, last);
+    tracer.nearest(back, last);
     std::size_t blocked = 0;
     for (std::size_t i = 0; i < segments.size(); ++i) {
         out[i].reset();
@@ -38,12 +38,13 @@ void traceBatch(const RayKernels& kernels, std::span<const Segment> segments, st
 
 } // namespace
 
-void traceSegments(const RayKernels& kernels, std::span<const Segment> segments, std::span<std::optional<vec2>> out)
+Status traceSegments(const RayTracer& tracer, std::span<const Segment> segments, std::span<std::optional<vec2>> out)
 {
     constexpr std::size_t kBatch = 256; // lines of one place follow one another, and their rays are traced together
     parallelFor(segments.size(), kBatch, [&](std::size_t begin, std::size_t end) {
-        traceBatch(kernels, segments.subspan(begin, end - begin), out.subspan(begin, end - begin));
+        traceBatch(tracer, segments.subspan(begin, end - begin), out.subspan(begin, end - begin));
     });
+    return tracer.outcome(true);
 }
 
 } // namespace halflight

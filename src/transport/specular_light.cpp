@@ -90,20 +90,21 @@ private:
 
 } // namespace
 
-bool traceSpecularLight(const PathTracer& paths, const IntegrationSettings& settings,
-                        std::span<const SurfacePoint> points, std::span<const vec3> views,
-                        std::span<SpecularEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
+Status traceSpecularLight(const PathTracer& paths, const IntegrationSettings& settings,
+                          std::span<const SurfacePoint> points, std::span<const vec3> views,
+                          std::span<SpecularEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    if (points.empty()) return true;
+    if (points.empty()) return {};
     const SpecularTracer tracer(paths, settings);
     const std::size_t viewsPerPoint = views.size() / points.size();
     const Progress quiet{{}, progress.cancel};
-    return parallelFor(points.size(), 8, quiet, "", [&](std::size_t begin, std::size_t end) {
+    const bool finished = parallelFor(points.size(), 8, quiet, "", [&](std::size_t begin, std::size_t end) {
         uint64_t traced = 0;
         for (std::size_t i = begin; i < end; ++i)
             out[i] = tracer.at(points[i], views.subspan(i * viewsPerPoint, viewsPerPoint), uint32_t(i), traced);
         rays += traced;
     });
+    return paths.surfaces().outcome(finished);
 }
 
 } // namespace halflight

@@ -17,11 +17,6 @@ namespace {
 
 using namespace charts;
 
-Error cancelledError()
-{
-    return {ErrorCode::Cancelled, "unwrapping was cancelled", ""};
-}
-
 Status checkSettings(const UnwrapSettings& settings)
 {
     const auto fail = [](std::string message) { return Error{ErrorCode::InvalidArgument, std::move(message), ""}; };

@@ -235,16 +235,18 @@ TEST_F(CacheTest, AbandonedFilesAreRemoved)
 TEST_F(CacheTest, ProcessesFillOneFolderInShares)
 {
     constexpr std::size_t kParts = 10;
+    using Parts = std::vector<std::vector<std::byte>>;
     std::vector<std::size_t> order;
-    const auto process = [&](WorkShare share, std::size_t killedAfter) {
+    const auto process = [&](WorkShare share, std::size_t killedAfter) -> std::optional<Parts> {
         PartFolder parts(folder / "shared");
         parts.shareWith(share);
         order.clear();
-        return parts.complete("stage", kParts, [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
-            if (order.size() == killedAfter) return std::nullopt;
+        Result<Parts> all = parts.complete("stage", kParts, [&](std::size_t part) -> Result<std::vector<std::byte>> {
+            if (order.size() == killedAfter) return cancelledError();
             order.push_back(part);
             return std::vector<std::byte>{std::byte(part)};
         });
+        return all ? std::optional(std::move(*all)) : std::nullopt;
     };
     EXPECT_FALSE(process({1, 3}, 3));
     EXPECT_EQ(order, (std::vector<std::size_t>{1, 4, 7}));
@@ -290,14 +292,14 @@ TEST_F(CacheTest, CheckSamplesAreComputedOnce)
         work.surface = [](std::size_t first, std::size_t) { return Hasher().add(uint32_t(first)).hash(); };
         work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> out, const Progress&) {
             for (std::size_t i = 0; i < items.size(); ++i) out[i].irradiance = vec3(float(bake), float(items[i]), 0.0f);
-            return true;
+            return Status();
         };
         work.check = [&](std::span<const uint32_t> items, std::span<float> out, const Progress&) {
             for (std::size_t i = 0; i < items.size(); ++i) {
                 checked.push_back(items[i]);
                 out[i] = float(items[i]) + (items[i] / kTile == 2 ? checkOfTile2 : 0.0f);
             }
-            return true;
+            return Status();
         };
         work.changed = [](std::span<const float> before, std::span<const float> now) {
             return !std::equal(before.begin(), before.end(), now.begin(), now.end());

@@ -6,7 +6,6 @@
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
-#include "halflight/shading/sampling.h"
 
 #include <gtest/gtest.h>
 

@@ -88,7 +88,7 @@ TEST(SolidsS6, CountWhereSolidsShareAFace)
             const std::array<Ray, 2> rays = {
                 {{inside, 0.0f, direction, kInfinity}, {inside + vec3(kSide, 0, 0), 0.0f, direction, kInfinity}}};
             std::array<int, 2> left{};
-            tracer.kernels().crossings(rays, left);
+            ASSERT_TRUE(tracer.kernels().crossings(rays, left));
             wrong += (left[0] != 1 ? 1 : 0) + (left[1] != 0 ? 1 : 0);
         }
         // A ray may slip between two triangles.
@@ -126,7 +126,7 @@ TEST(SolidsS6, RaysSeeTheFrontOfFacesBackToBack)
                 EXPECT_TRUE(hit.found() && hit.face.back == 0) << nameOf(set);
                 rays[std::size_t(lane)] = {from, 0.0f, direction, kInfinity};
             }
-            tracer.kernels().nearest(rays, hits);
+            ASSERT_TRUE(tracer.kernels().nearest(rays, hits));
             for (const RayHit& hit : hits) EXPECT_TRUE(hit.found() && hit.face.back == 0) << nameOf(set);
         }
     }

@@ -248,7 +248,7 @@ TEST(InstancesS6, PacketsAndBlendedSurfaces)
                 std::abs(light - flat.tracer.transmittance(ray.origin, ray.direction, 0.0f, 3.0f)) > 0.01f ? 1 : 0;
             partly += light > 0.0f && light < 1.0f ? 1 : 0;
         }
-        opaque.tracer.kernels().nearest(rays, hits);
+        ASSERT_TRUE(opaque.tracer.kernels().nearest(rays, hits));
         for (std::size_t lane = 0; lane < 8; ++lane) {
             const Ray& ray = rays[lane];
             const RayHit hit = opaque.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity);

@@ -47,7 +47,7 @@ TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
             LightTree::Points positions;
             LightTree::Points normals;
             constexpr std::size_t kLane = 5;
-            for (std::size_t lane = 0; lane < LightTree::Cut::kLanes; ++lane) {
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 positions.set(lane, position + 0.3f * (float(lane) - float(kLane)) * vec3(1.0f, 0.1f, 0.0f));
                 normals.set(lane, normal);
             }

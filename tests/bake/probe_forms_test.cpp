@@ -34,7 +34,7 @@ ProbeEstimate probeAt(Scene scene, vec3 position, int samples, MixedLightingMode
     settings.shadowSamples = 1024;
     Bench bench(std::move(scene), mode, kPage, settings);
     std::vector<ProbeEstimate> out(1);
-    bench.integrator->probes(std::vector<vec3>{position}, std::vector<uint32_t>{0}, 0, out, {});
+    EXPECT_TRUE(bench.integrator->probes(std::vector<vec3>{position}, std::vector<uint32_t>{0}, 0, out, {}));
     return out[0];
 }
 

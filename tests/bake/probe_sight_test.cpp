@@ -26,7 +26,7 @@ ProbeSet boxOfProbes(vec3 half)
 ProbeSight sightIn(Scene scene, const ProbeSet& set)
 {
     const Bench bench(std::move(scene), MixedLightingMode::Shadowmask, 64, {});
-    return findProbeSight(set, *bench.integrator, {}).value();
+    return *findProbeSight(set, *bench.integrator, {});
 }
 
 TEST(ProbeSightS14, WithoutWallsThereAreNoMaps)

@@ -270,7 +270,7 @@ TEST(RadianceCacheS6, LargePatchesAreGatheredByFewerTexels)
     }
     ASSERT_GT(chosen.size(), 200u);
     std::vector<IrradianceEstimate> traced(chosen.size());
-    truth.integrator->irradiance(truth.map, {chosen}, traced, {});
+    ASSERT_TRUE(truth.irradiance({chosen}, traced));
     double sum = 0.0;
     double expected = 0.0;
     for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -303,15 +303,13 @@ TEST(RaysS6, RaysOutOfUseAreLeftAloneOnAllProcessors)
         }
         std::array<RayHit, 11> found;
         std::array<RayHit, 11> same;
-        tracer.kernels().nearest(rays, found);
-        old.kernels().nearest(rays, same);
+        ASSERT_TRUE(tracer.kernels().nearest(rays, found) && old.kernels().nearest(rays, same));
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (found[i].found()) rays[i].tMax = 1.5f * found[i].distance;
         }
         std::array<bool, 11> shadows{};
         std::array<bool, 11> sameShadows{};
-        tracer.kernels().occluded(rays, shadows);
-        old.kernels().occluded(rays, sameShadows);
+        ASSERT_TRUE(tracer.kernels().occluded(rays, shadows) && old.kernels().occluded(rays, sameShadows));
         EXPECT_EQ(shadows, sameShadows);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             ASSERT_EQ(found[i].found(), same[i].found());

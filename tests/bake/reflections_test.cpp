@@ -45,7 +45,7 @@ struct Placed {
     {
         const float size = glm::length(scene.bounds().size());
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, 64, {});
-        probes = placeReflections(lightProbes, *bench.integrator, size);
+        probes = *placeReflections(lightProbes, *bench.integrator, size);
     }
 };
 

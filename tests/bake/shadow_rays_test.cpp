@@ -104,7 +104,7 @@ TEST(ShadowmaskS8, EdgesGetMoreRays)
         float meanSquare; ///< its root
         int leastOnEdge;
     };
-    // The largest number of rays must not exceed the range of LitCount.
+    // Sums hold the largest number of rays too.
     for (const Case& c : {Case{16, 60, 3.1f / 32.0f, 0.042f, 50}, {65536, 12, 0.005f, 0.003f, 10}}) {
         Scene scene;
         const int black = addMaterial(scene, vec3(0), vec3(0), true);

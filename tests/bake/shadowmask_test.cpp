@@ -53,7 +53,7 @@ TEST(ShadowmaskS8, PanesDimEvenly)
         const vec3 position(0.0f, 0.2f, 0.0f);
         const uint32_t which = 0;
         ProbeEstimate probe;
-        bench.integrator->probes(std::span(&position, 1), std::span(&which, 1), 64, std::span(&probe, 1), {});
+        ASSERT_TRUE(bench.integrator->probes({&position, 1}, {&which, 1}, 64, {&probe, 1}, {}));
         EXPECT_NEAR(probe.occlusion[0], arrives, 1.0e-4f);
     }
 }
@@ -96,7 +96,9 @@ TEST(ShadowmaskS30, ObjectsThatCastNoShadowLeaveItLit)
         }
         EXPECT_GT(below, 100);
         std::vector<ProbeEstimate> probe(1);
-        bench.integrator->probes(std::vector<vec3>{vec3(0.2f, 0.5f, 0.1f)}, std::vector<uint32_t>{0}, 0, probe, {});
+        const vec3 place(0.2f, 0.5f, 0.1f);
+        const uint32_t which = 0;
+        ASSERT_TRUE(bench.integrator->probes({&place, 1}, {&which, 1}, 0, probe, {}));
         EXPECT_EQ(probe[0].occlusion[0], casts ? 0.0f : 1.0f);
     }
 }

@@ -154,7 +154,7 @@ TEST(SkyPictureProbesS6, ProbesHoldThePicture)
     const vec3 position(0.0f);
     const uint32_t which = 0;
     std::vector<ProbeEstimate> out(1);
-    bench.integrator->probes({&position, 1}, {&which, 1}, 4096, out, {});
+    ASSERT_TRUE(bench.integrator->probes({&position, 1}, {&which, 1}, 4096, out, {}));
     const ProbeSample expected = skyProbe(sky);
     const SkyLight light(sky);
     for (std::size_t i = 0; i < 9; ++i) {

@@ -12,6 +12,7 @@
 #include "halflight/scene/scene.h"
 
 #include <glm/gtc/matrix_transform.hpp>
+#include <gtest/gtest.h>
 
 #include <memory>
 #include <utility>
@@ -150,6 +151,7 @@ struct Bench {
     BakeGeometry geometry;
     TexelMap map;
     std::unique_ptr<Integrator> integrator;
+    std::unique_ptr<PreparedLightmap> lightmap; ///< null until irradiance() is called
 
     Bench(Scene s, MixedLightingMode mode, int pageSize, const IntegrationSettings& settings, int mostMaskLayers = 1)
         : scene(std::move(s))
@@ -158,18 +160,23 @@ struct Bench {
         assignShadowmaskChannels(scene, mode, mostMaskLayers);
         integrator = std::move(*repairOrientation(embreeIntegrators(), scene, geometry, settings));
         map = rasterizeTexels(geometry, pageSize, 1);
-        integrator->findValidPoints(map, {});
+        EXPECT_TRUE(integrator->findValidPoints(map, nullptr, {}));
     }
     std::vector<IrradianceEstimate> irradiance()
     {
         std::vector<IrradianceEstimate> estimates(map.texels.size());
-        integrator->irradiance(map, {allIndices(map.texels.size())}, estimates, {});
+        EXPECT_TRUE(irradiance({allIndices(map.texels.size())}, estimates));
         return estimates;
+    }
+    Status irradiance(const TexelRequest& request, std::span<IrradianceEstimate> out)
+    {
+        if (lightmap == nullptr) lightmap = integrator->prepare(map, nullptr);
+        return lightmap->irradiance(request, out, {});
     }
     std::vector<vec4> shadowmask(int layer = 0)
     {
         std::vector<vec4> out(map.texels.size());
-        integrator->shadowmask(map, {allIndices(map.texels.size())}, layer, out, {});
+        EXPECT_TRUE(integrator->shadowmask(map, {allIndices(map.texels.size())}, layer, out, {}));
         return out;
     }
 

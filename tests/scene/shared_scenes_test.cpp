@@ -55,9 +55,7 @@ TEST_P(SharedScenes, LoadsWithTheListedCounts)
     ASSERT_TRUE(scene) << scene.error().text();
 
     std::size_t triangles = 0;
-    for (const Object& object : scene->objects) {
-        for (const MeshPart& part : scene->meshes[std::size_t(object.mesh)].parts) triangles += part.indices.size() / 3;
-    }
+    for (const Object& object : scene->objects) triangles += scene->meshes[std::size_t(object.mesh)].triangleCount();
     EXPECT_EQ(triangles, expected.triangles);
     std::size_t counts[3] = {};
     for (const Light& light : scene->lights) ++counts[int(light.type)];

@@ -82,13 +82,6 @@ double areaOf(const Mesh& mesh)
     return area;
 }
 
-std::size_t trianglesOf(const Mesh& mesh)
-{
-    std::size_t count = 0;
-    for (const MeshPart& part : mesh.parts) count += part.indices.size() / 3;
-    return count;
-}
-
 /// Edges that do not have one triangle on either side: T-junctions and holes.
 std::size_t openEdges(const Mesh& mesh)
 {
@@ -249,8 +242,8 @@ TEST(CutsS6, OtherObjectsOfAMeshStayAsTheyAre)
     const Mesh& cut = after.scene.meshes[std::size_t(after.scene.objects[0].mesh)];
     const Mesh& whole = after.scene.meshes[std::size_t(after.scene.objects[2].mesh)];
     EXPECT_EQ(cut.sourceMesh, whole.sourceMesh);
-    EXPECT_GT(trianglesOf(cut), trianglesOf(whole));
-    EXPECT_EQ(trianglesOf(whole), trianglesOf(scene.meshes[0]));
+    EXPECT_GT(cut.triangleCount(), whole.triangleCount());
+    EXPECT_EQ(whole.triangleCount(), scene.meshes[0].triangleCount());
 }
 
 /// A second unwrap of a mesh that was cut before divides nothing, and keeps charts apart again.
@@ -266,7 +259,7 @@ TEST(CutsS6, CuttingAgainAddsNothing)
     }
     const UnwrappedScene second = cutAndCheck(first.scene);
     EXPECT_EQ(second.cuts, 4);
-    EXPECT_EQ(trianglesOf(second.scene.meshes[0]), trianglesOf(first.scene.meshes[0]));
+    EXPECT_EQ(second.scene.meshes[0].triangleCount(), first.scene.meshes[0].triangleCount());
     EXPECT_TRUE(second.scene.meshes[0].parts[0].cutVertices.empty());
     EXPECT_EQ(chartsAcross(second.scene.meshes[0]), 0);
 }

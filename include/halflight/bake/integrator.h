@@ -179,68 +179,73 @@ struct SideEstimate {
     float open = 0.0f;
 };
 
+/// Irradiance of the texels of one map. Holds what they have in common, such as the radiance cache, as long as it
+/// lives, and keeps it in the folder of parts, if there is one.
+class PreparedLightmap {
+public:
+    virtual ~PreparedLightmap() = default;
+
+    /// The light of the lightmap (spec S6), one estimate per texel of the request: emitters, the sky, direct light of
+    /// lights that are baked for static receivers, bounced light of mixed and baked lights. The direct light of
+    /// subtractive's main light is not included; bakeMainLight() derives it from the mask.
+    virtual Status irradiance(const TexelRequest& request, std::span<IrradianceEstimate> out,
+                              const Progress& progress) = 0;
+    /// Computes now what irradiance() else computes when it first needs it.
+    virtual Status prepareAll(const Progress& progress) = 0;
+    /// The parts of prepareAll() that farm workers share, without what each would do by itself with them.
+    virtual Status prepareParts(const Progress& progress) = 0;
+};
+
 /// Estimates light by tracing rays. Results depend on the scene, the settings and the texel or probe alone: not on
-/// threads, nor on what else is requested. Functions that return bool return false when cancelled.
+/// threads, nor on what else is requested. Errors of all functions: Cancelled, and DeviceFailed where the device is
+/// lost. From then on all calls fail. `out` is undefined after an error, and the folder of parts keeps nothing of it.
 class Integrator {
 public:
     virtual ~Integrator() = default;
-
-    /// Keeps results that texels have in common (validity, the radiance cache) in a folder of the bake's own, and takes
-    /// them from there. Null = nowhere, the default. The folder outlives the integrator or the next call.
-    virtual void keepIn(PartFolder* /*parts*/) {}
 
     /// One line for reports: device, library, threads.
     [[nodiscard]] virtual std::string description() const = 0;
 
     /// Validity, the first stage: sets Texel::validPoints of all texels. The functions below use valid points alone,
-    /// but for rough requests of irradiance().
-    virtual bool findValidPoints(TexelMap& map, const Progress& progress) = 0;
+    /// but for rough requests of irradiance. `parts`, which may be null, keeps the result.
+    virtual Status findValidPoints(TexelMap& map, PartFolder* parts, const Progress& progress) = 0;
     /// The same for single points: where `out` is 1, it becomes 0 for a point inside geometry. Others are not tested.
-    virtual void findValidPoints(std::span<const SurfacePoint> points, std::span<uint8_t> out) const = 0;
+    virtual Status findValidPoints(std::span<const SurfacePoint> points, std::span<uint8_t> out) const = 0;
 
-    /// The light of the lightmap (spec S6), one estimate per texel of the request: emitters, the sky, direct light of
-    /// lights that are baked for static receivers, bounced light of mixed and baked lights. The direct light of
-    /// subtractive's main light is not included; bakeMainLight() derives it from the mask.
-    virtual bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
-                            const Progress& progress) = 0;
-    /// Computes what irradiance() needs for any texel of a map: the part of the work that farm workers share.
-    virtual bool prepareIrradiance(const TexelMap& /*map*/, const Progress& /*progress*/) { return true; }
-    /// The parts of prepareIrradiance() that farm workers share, without what each would do by itself with them.
-    virtual bool shareIrradiance(const TexelMap& /*map*/, const Progress& /*progress*/) { return true; }
-    /// Frees data that irradiance() keeps between calls for one map. Later calls rebuild it.
-    virtual void releaseIrradiance() {}
+    /// For irradiance of a map's texels. `parts` may be null. It, the map and the integrator outlive the result.
+    virtual std::unique_ptr<PreparedLightmap> prepare(const TexelMap& map, PartFolder* parts) = 0;
 
     /// Attenuation by static casters for each light with a channel of that mask layer, 0…1; 1 in channels without a
     /// light in reach. For subtractive's main light: shadowed over unshadowed irradiance, 0 where both are 0.
-    virtual bool shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
-                            const Progress& progress) = 0;
+    virtual Status shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
+                              const Progress& progress) = 0;
 
     /// Light and occlusion at positions[i] for each i of `which`, with `samples` paths each (0 =
     /// IntegrationSettings::probeSamples).
-    virtual bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
-                        std::span<ProbeEstimate> out, const Progress& progress) = 0;
+    virtual Status probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                          std::span<ProbeEstimate> out, const Progress& progress) = 0;
 
     /// Radiance that arrives at a point from all sides: emission, the sky, and what static surfaces reflect of the
     /// lightmap and of mixed lights; with IntegrationSettings::glossyBounces by their specular lobes too. `lightmap`:
     /// irradiance by page, lux; surfaces without a page are path traced. Texel (x, y) of the square map is the mean of
     /// `rays` rays over its square of octahedronFromDirection() in shading/reflection.h.
-    virtual bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
-                                const Progress& progress) = 0;
+    virtual Status radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
+                                  const Progress& progress) = 0;
 
     /// Estimates for sides of surfaces before there are texels, with `paths` paths for irradiance (0 = none) and
     /// `walks` random walks. `eyes`: places that one looks from, such as cameras and lights.
-    virtual bool sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
-                       std::span<SideEstimate> out, const Progress& progress) = 0;
+    virtual Status sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
+                         std::span<SideEstimate> out, const Progress& progress) = 0;
 
     /// Light that points reflect towards views by their specular lobes, path traced: all that the renderer makes of
     /// baked light, so without direct light of lights that it draws itself. `views`: unit vectors on the normals'
     /// sides, equally many for each point.
-    virtual bool specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,
-                               std::span<SpecularEstimate> out, const Progress& progress) = 0;
+    virtual Status specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,
+                                 std::span<SpecularEstimate> out, const Progress& progress) = 0;
 
     /// For each segment, the distances in metres from its start to the first and to the last surface on the way;
     /// nothing if it is unoccluded.
-    virtual void surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const = 0;
+    virtual Status surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const = 0;
 
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };

@@ -50,11 +50,11 @@ public:
     void removeAbandoned(std::chrono::hours age) const;
 
     /// The parts 0 … count - 1 of a stage, in order. In a shared folder a process computes the missing parts of its
-    /// share, then those that no process has written yet. `compute` returns nothing when cancelled; so does this, and
-    /// when a shared folder cannot be written.
-    using Compute = std::function<std::optional<std::vector<std::byte>>(std::size_t part)>;
-    std::optional<std::vector<std::vector<std::byte>>> complete(std::string_view stage, std::size_t count,
-                                                                const Compute& compute);
+    /// share, then those that no process has written yet. Errors: those of `compute`, and WriteFailed when a shared
+    /// folder cannot be written.
+    using Compute = std::function<Result<std::vector<std::byte>>(std::size_t part)>;
+    Result<std::vector<std::vector<std::byte>>> complete(std::string_view stage, std::size_t count,
+                                                         const Compute& compute);
 
 private:
     std::filesystem::path folder_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cassert>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -63,21 +64,26 @@ private:
     std::variant<T, Error> state_;
 };
 
-/// Success, or an error: the result of a function with nothing to return.
+/// Success, or an error: the result of a function with nothing to return. Success costs no more than a flag.
 class [[nodiscard]] Status {
 public:
     Status() = default;
-    Status(Error error) : failed_(true), error_(std::move(error)) {}
-    explicit operator bool() const { return !failed_; }
+    Status(Error error) : error_(std::move(error)) {}
+    explicit operator bool() const { return !error_.has_value(); }
     [[nodiscard]] const Error& error() const
     {
-        assert(failed_);
-        return error_;
+        assert(error_);
+        return *error_;
     }
 
 private:
-    bool failed_ = false;
-    Error error_;
+    std::optional<Error> error_;
 };
+
+/// What a function returns that was cancelled.
+inline Error cancelledError()
+{
+    return {ErrorCode::Cancelled, "interrupted"};
+}
 
 } // namespace halflight

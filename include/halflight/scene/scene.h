@@ -147,12 +147,14 @@ struct MeshPart {
     int lightmapTexCoord = 1; ///< n of the TEXCOORD_n that carries lightmapUv in the written file
     SurfaceSide side = SurfaceSide::Both;
     std::vector<TexelSide> texelSides; ///< by triangle, as the unwrapper decided; empty = all Front
+    [[nodiscard]] std::size_t triangleCount() const { return indices.size() / 3; }
 };
 
 struct Mesh {
     std::string name;
     std::vector<MeshPart> parts;
     int sourceMesh = -1; ///< several meshes may share one source when its objects need different layouts
+    [[nodiscard]] std::size_t triangleCount() const;
 };
 
 /// Where an object's lightmap and shadowmask texels are; page -1 = not lightmapped.

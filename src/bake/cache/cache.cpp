@@ -159,8 +159,8 @@ constexpr std::size_t kBatchItems = 1 << 15;
 } // namespace
 
 template<typename Value, typename Check>
-bool BakeCache::runParts(const Work<Value, Check>& work, std::span<const std::size_t> parts, std::size_t partsAtOnce,
-                         std::span<Value> out, const Progress& progress)
+Status BakeCache::runParts(const Work<Value, Check>& work, std::span<const std::size_t> parts, std::size_t partsAtOnce,
+                           std::span<Value> out, const Progress& progress)
 {
     const Tiling tiling{work.count, work.tileSize};
     for (std::size_t first = 0; first < parts.size(); first += partsAtOnce) {
@@ -176,10 +176,10 @@ bool BakeCache::runParts(const Work<Value, Check>& work, std::span<const std::si
         }
         lost_ += group.lost();
         const double compared = begin + (group.count(TileState::Compare) > 0 ? kComparisonShare : 0.0) * (end - begin);
-        if (!group.compare(partOf(progress, begin, compared))) return false;
-        if (!group.compute(compares_, partOf(progress, compared, end))) return false;
-        if (!group.computeChosen(partOf(progress, compared, end))) return false;
-        if (!group.write(tiles()) && parts_.isShared()) return false;
+        if (Status s = group.compare(partOf(progress, begin, compared)); !s) return s;
+        if (Status s = group.compute(compares_, partOf(progress, compared, end)); !s) return s;
+        if (Status s = group.computeChosen(partOf(progress, compared, end)); !s) return s;
+        if (!group.write(tiles()) && parts_.isShared()) return tiles().status();
         if (!out.empty()) group.merge(out);
         counts_.tiles += group.size();
         counts_.same += group.count(TileState::Own);
@@ -187,36 +187,36 @@ bool BakeCache::runParts(const Work<Value, Check>& work, std::span<const std::si
         counts_.kept += group.count(TileState::Kept);
     }
     progress(work.progressName, 1.0);
-    return true;
+    return {};
 }
 
 template<typename Value, typename Check>
-bool BakeCache::run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress)
+Status BakeCache::run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress)
 {
     const std::size_t tiles = Tiling{work.count, work.tileSize}.tileCount();
     return run(work, workOrder((tiles + work.tilesPerPart - 1) / work.tilesPerPart, parts_.share()), out, progress);
 }
 
-template<typename Value, typename Check> bool BakeCache::run(const Work<Value, Check>& work,
-                                                             std::span<const std::size_t> parts, std::span<Value> out,
-                                                             const Progress& progress)
+template<typename Value, typename Check> Status BakeCache::run(const Work<Value, Check>& work,
+                                                               std::span<const std::size_t> parts, std::span<Value> out,
+                                                               const Progress& progress)
 {
     const std::size_t atOnce = std::max<std::size_t>(1, kBatchItems / (work.tilesPerPart * work.tileSize));
     return runParts(work, parts, parts_.isShared() ? 1 : atOnce, out, progress);
 }
 
 template<typename Value, typename Check>
-bool BakeCache::fill(const Work<Value, Check>& work, std::span<const std::size_t> parts, const Progress& progress)
+Status BakeCache::fill(const Work<Value, Check>& work, std::span<const std::size_t> parts, const Progress& progress)
 {
     return runParts(work, parts, 1, std::span<Value>(), progress);
 }
 
-template bool BakeCache::run(const Work<IrradianceEstimate, float>&, std::span<IrradianceEstimate>, const Progress&);
-template bool BakeCache::run(const Work<vec4, vec4>&, std::span<vec4>, const Progress&);
-template bool BakeCache::run(const Work<IrradianceEstimate, float>&, std::span<const std::size_t>,
-                             std::span<IrradianceEstimate>, const Progress&);
-template bool BakeCache::run(const Work<ProbeEstimate, ProbeEstimate>&, std::span<ProbeEstimate>, const Progress&);
-template bool BakeCache::fill(const Work<IrradianceEstimate, float>&, std::span<const std::size_t>, const Progress&);
-template bool BakeCache::fill(const Work<vec4, vec4>&, std::span<const std::size_t>, const Progress&);
+template Status BakeCache::run(const Work<IrradianceEstimate, float>&, std::span<IrradianceEstimate>, const Progress&);
+template Status BakeCache::run(const Work<vec4, vec4>&, std::span<vec4>, const Progress&);
+template Status BakeCache::run(const Work<IrradianceEstimate, float>&, std::span<const std::size_t>,
+                               std::span<IrradianceEstimate>, const Progress&);
+template Status BakeCache::run(const Work<ProbeEstimate, ProbeEstimate>&, std::span<ProbeEstimate>, const Progress&);
+template Status BakeCache::fill(const Work<IrradianceEstimate, float>&, std::span<const std::size_t>, const Progress&);
+template Status BakeCache::fill(const Work<vec4, vec4>&, std::span<const std::size_t>, const Progress&);
 
 } // namespace halflight

@@ -77,7 +77,7 @@ public:
     static Result<BakeCache> openKeeping(const std::filesystem::path& folder, Hash128 bake, Hash128 layout,
                                          Hash128 chosen);
 
-    /// One kind of work. Functions that return bool return false when cancelled; `out` has one entry per item.
+    /// One kind of work. `out` has one entry per item. Errors are those of the work's own functions, and write nothing.
     template<typename Value, typename Check> struct Work {
         std::string stage;             ///< names the parts
         const char* progressName = ""; ///< names the stage in progress
@@ -91,24 +91,24 @@ public:
         std::span<const uint8_t> chosen;
         /// False: a bake of some objects, too, compares all tiles with the last bake and computes those that differ.
         bool keeps = true;
-        std::function<bool(std::span<const uint32_t> items, std::span<Value> out, const Progress&)> compute;
+        std::function<Status(std::span<const uint32_t> items, std::span<Value> out, const Progress&)> compute;
         /// Check samples: the same estimate with few paths.
-        std::function<bool(std::span<const uint32_t> items, std::span<Check> out, const Progress&)> check;
+        std::function<Status(std::span<const uint32_t> items, std::span<Check> out, const Progress&)> check;
         /// Whether the check samples of a tile differ between the old and the new scene.
         std::function<bool(std::span<const Check> before, std::span<const Check> now)> changed;
     };
     /// Has the values of all tiles, from the cache or computed, and keeps them. In a shared folder the work is shared
-    /// with other processes, part by part. False when cancelled, and when a shared folder cannot be written. Finished
-    /// parts stay in the cache. Write errors are kept in status().
+    /// with other processes, part by part. Finished parts stay in the cache after an error. That parts cannot be
+    /// written is an error in a shared folder alone, and is kept in status().
     template<typename Value, typename Check>
-    bool run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress);
+    Status run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress);
     /// The same of some parts, in ascending order.
-    template<typename Value, typename Check> bool run(const Work<Value, Check>& work,
-                                                      std::span<const std::size_t> parts, std::span<Value> out,
-                                                      const Progress& progress);
-    /// Has some parts in the cache. False when cancelled or when one cannot be written.
+    template<typename Value, typename Check> Status run(const Work<Value, Check>& work,
+                                                        std::span<const std::size_t> parts, std::span<Value> out,
+                                                        const Progress& progress);
+    /// Has some parts in the cache.
     template<typename Value, typename Check>
-    bool fill(const Work<Value, Check>& work, std::span<const std::size_t> parts, const Progress& progress);
+    Status fill(const Work<Value, Check>& work, std::span<const std::size_t> parts, const Progress& progress);
 
     [[nodiscard]] const TileCounts& counts() const { return counts_; }
     [[nodiscard]] Status status() const;
@@ -122,9 +122,9 @@ public:
     void finish();
 
 private:
-    template<typename Value, typename Check> bool runParts(const Work<Value, Check>& work,
-                                                           std::span<const std::size_t> parts, std::size_t partsAtOnce,
-                                                           std::span<Value> out, const Progress& progress);
+    template<typename Value, typename Check>
+    Status runParts(const Work<Value, Check>& work, std::span<const std::size_t> parts, std::size_t partsAtOnce,
+                    std::span<Value> out, const Progress& progress);
     BakeCache(const std::filesystem::path& folder, Hash128 bake, Hash128 layout, bool compares);
 
     PartFolder parts_;

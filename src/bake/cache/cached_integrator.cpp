@@ -12,7 +12,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 40; ///< raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 41; ///< raised when estimates of the same input change
 
 /// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
 constexpr double kCheckTolerance = 0.005;
@@ -115,7 +115,7 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
     return hasher.hash();
 }
 
-BakeCache::Work<IrradianceEstimate, float> CachedIntegrator::irradianceWork() const
+BakeCache::Work<IrradianceEstimate, float> CachedIntegrator::irradianceWork(PreparedLightmap& lightmap) const
 {
     BakeCache::Work<IrradianceEstimate, float> work;
     work.stage = work.progressName = "lightmap";
@@ -125,16 +125,16 @@ BakeCache::Work<IrradianceEstimate, float> CachedIntegrator::irradianceWork() co
     work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
     work.chosen = chosen;
     work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> values, const Progress& part) {
-        return integrator.irradiance(map, {items}, values, part);
+        return lightmap.irradiance({items}, values, part);
     };
     const int samples = checkSamples(settings.samples);
     const int shadowSamples = checkSamples(settings.shadowSamples);
-    work.check = [this, samples, shadowSamples](std::span<const uint32_t> items, std::span<float> values,
-                                                const Progress& part) {
+    work.check = [&lightmap, samples, shadowSamples](std::span<const uint32_t> items, std::span<float> values,
+                                                     const Progress& part) -> Status {
         std::vector<IrradianceEstimate> estimates(items.size());
-        if (!integrator.irradiance(map, {items, samples, shadowSamples}, estimates, part)) return false;
+        if (Status s = lightmap.irradiance({items, samples, shadowSamples}, estimates, part); !s) return s;
         for (std::size_t i = 0; i < items.size(); ++i) values[i] = luminance(estimates[i].irradiance);
-        return true;
+        return {};
     };
     work.changed = [](std::span<const float> before, std::span<const float> now) {
         double difference = 0.0;
@@ -178,38 +178,45 @@ BakeCache::Work<vec4, vec4> CachedIntegrator::shadowmaskWork(int layer) const
     return work;
 }
 
-bool CachedIntegrator::irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const
+std::unique_ptr<PreparedLightmap> CachedIntegrator::prepare() const
 {
-    if (cache == nullptr) return integrator.irradiance(map, {allIndices(map.texels.size())}, out, progress);
-    return cache->run(irradianceWork(), out, progress);
+    return integrator.prepare(map, cache != nullptr ? &cache->parts() : nullptr);
 }
 
-bool CachedIntegrator::irradianceOfParts(std::span<const std::size_t> parts, std::span<IrradianceEstimate> out,
-                                         const Progress& progress) const
+Status CachedIntegrator::irradiance(PreparedLightmap& lightmap, std::span<IrradianceEstimate> out,
+                                    const Progress& progress) const
 {
-    return cache->run(irradianceWork(), parts, out, progress);
+    if (cache == nullptr) return lightmap.irradiance({allIndices(map.texels.size())}, out, progress);
+    return cache->run(irradianceWork(lightmap), out, progress);
 }
 
-bool CachedIntegrator::shadowmask(int layer, std::span<vec4> out, const Progress& progress) const
+Status CachedIntegrator::irradianceOfParts(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
+                                           std::span<IrradianceEstimate> out, const Progress& progress) const
+{
+    return cache->run(irradianceWork(lightmap), parts, out, progress);
+}
+
+Status CachedIntegrator::shadowmask(int layer, std::span<vec4> out, const Progress& progress) const
 {
     if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, layer, out, progress);
     return cache->run(shadowmaskWork(layer), out, progress);
 }
 
-bool CachedIntegrator::fillIrradiance(std::span<const std::size_t> parts, const Progress& progress) const
+Status CachedIntegrator::fillIrradiance(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
+                                        const Progress& progress) const
 {
-    return cache->fill(irradianceWork(), parts, progress);
+    return cache->fill(irradianceWork(lightmap), parts, progress);
 }
 
-bool CachedIntegrator::fillShadowmasks(int layers, std::span<const std::size_t> parts, const Progress& progress) const
+Status CachedIntegrator::fillShadowmasks(int layers, std::span<const std::size_t> parts, const Progress& progress) const
 {
     for (int layer = 0; layer < layers; ++layer)
-        if (!cache->fill(shadowmaskWork(layer), parts, progress)) return false;
-    return true;
+        if (Status s = cache->fill(shadowmaskWork(layer), parts, progress); !s) return s;
+    return {};
 }
 
-bool CachedIntegrator::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
-                              const Progress& progress) const
+Status CachedIntegrator::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
+                                const Progress& progress) const
 {
     if (cache == nullptr) return integrator.probes(positions, allIndices(positions.size()), 0, out, progress);
     BakeCache::Work<ProbeEstimate, ProbeEstimate> work;

@@ -14,8 +14,7 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
 /// The stage of a mask layer, as the cache names its parts.
 std::string maskStage(int layer);
 
-/// Integrator calls for all texels and probes; with a cache, only for tiles that it does not hold. All return false
-/// when cancelled.
+/// Integrator calls for all texels and probes; with a cache, only for tiles that it does not hold.
 struct CachedIntegrator {
     Integrator& integrator;
     const BakeGeometry& geometry;
@@ -27,21 +26,24 @@ struct CachedIntegrator {
     /// In a bake of some objects: masks of all others are kept, and the probes' light and masks.
     bool keepsMasks = true;
 
-    bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
-    bool shadowmask(int layer, std::span<vec4> out, const Progress& progress) const;
+    /// Integrator::prepare() for the map, with the cache's folder of parts.
+    [[nodiscard]] std::unique_ptr<PreparedLightmap> prepare() const;
+    Status irradiance(PreparedLightmap& lightmap, std::span<IrradianceEstimate> out, const Progress& progress) const;
+    Status shadowmask(int layer, std::span<vec4> out, const Progress& progress) const;
     /// Some parts of the texels, by the cache, which is there.
-    bool irradianceOfParts(std::span<const std::size_t> parts, std::span<IrradianceEstimate> out,
-                           const Progress& progress) const;
+    Status irradianceOfParts(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
+                             std::span<IrradianceEstimate> out, const Progress& progress) const;
     /// Has some parts of the texels in the cache, which is there.
-    bool fillIrradiance(std::span<const std::size_t> parts, const Progress& progress) const;
+    Status fillIrradiance(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
+                          const Progress& progress) const;
     /// The same of all mask layers.
-    bool fillShadowmasks(int layers, std::span<const std::size_t> parts, const Progress& progress) const;
+    Status fillShadowmasks(int layers, std::span<const std::size_t> parts, const Progress& progress) const;
     /// `batch`: number of the set of probes, 0, 1, 2…; the cache stores each set separately.
-    bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
-                const Progress& progress) const;
+    Status probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
+                  const Progress& progress) const;
 
 private:
-    [[nodiscard]] BakeCache::Work<IrradianceEstimate, float> irradianceWork() const;
+    [[nodiscard]] BakeCache::Work<IrradianceEstimate, float> irradianceWork(PreparedLightmap& lightmap) const;
     [[nodiscard]] BakeCache::Work<vec4, vec4> shadowmaskWork(int layer) const;
 };
 

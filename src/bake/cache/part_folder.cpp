@@ -113,29 +113,29 @@ void PartFolder::removeAbandoned(std::chrono::hours age) const
     }
 }
 
-std::optional<std::vector<std::vector<std::byte>>> PartFolder::complete(std::string_view stage, std::size_t count,
-                                                                        const Compute& compute)
+Result<std::vector<std::vector<std::byte>>> PartFolder::complete(std::string_view stage, std::size_t count,
+                                                                 const Compute& compute)
 {
     std::vector<std::vector<std::byte>> parts(count);
     std::vector<uint8_t> computed(count);
-    const auto make = [&](std::size_t part) {
-        std::optional<std::vector<std::byte>> bytes = compute(part);
-        if (!bytes) return false;
+    const auto make = [&](std::size_t part) -> Status {
+        Result<std::vector<std::byte>> bytes = compute(part);
+        if (!bytes) return bytes.error();
         parts[part] = std::move(*bytes);
         computed[part] = 1;
-        return !isShared() || write(partName(stage, part), parts[part]);
+        return !isShared() || write(partName(stage, part), parts[part]) ? Status() : status_;
     };
     for (const std::size_t part : workOrder(count, share())) {
         if (isShared() && contains(partName(stage, part))) continue;
-        if (!make(part)) return std::nullopt;
+        if (Status s = make(part); !s) return s.error();
     }
     for (std::size_t part = 0; part < count; ++part) {
         if (computed[part] != 0) continue;
         std::optional<std::vector<std::byte>> bytes = read(partName(stage, part));
         if (bytes) {
             parts[part] = std::move(*bytes);
-        } else if (!make(part)) {
-            return std::nullopt;
+        } else if (Status s = make(part); !s) {
+            return s.error();
         }
     }
     return parts;

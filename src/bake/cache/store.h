@@ -26,46 +26,48 @@ public:
     [[nodiscard]] bool isShared() const { return folder_ != nullptr && folder_->isShared(); }
     [[nodiscard]] bool contains(std::string_view name) const { return folder_ != nullptr && folder_->contains(name); }
 
-    /// The result of that name. compute() fills `value`, and returns false when cancelled; so does this.
+    /// The result of that name. compute() fills `value`. Its error is this one's, and keeps nothing.
     template<typename Value, typename Compute>
-    bool computed(std::string_view name, Value& value, const Compute& compute) const
+    Status computed(std::string_view name, Value& value, const Compute& compute) const
     {
         if (const auto bytes = folder_ != nullptr ? folder_->read(name) : std::nullopt) {
             ByteReader reader(*bytes);
             exchange(reader, value);
-            if (reader.complete()) return true;
+            if (reader.complete()) return {};
         }
-        if (!compute()) return false;
-        if (folder_ == nullptr) return true;
+        if (Status s = compute(); !s) return s;
+        if (folder_ == nullptr) return {};
         ByteWriter writer;
         exchange(writer, value);
         folder_->write(name, writer.take()); // a full disk is the folder's status
-        return true;
+        return {};
     }
 
     /// A list of results, of which processes share parts of `perPart` each. compute(first, end) fills
-    /// out[first … end - 1] on all threads. False when cancelled, and where a shared folder cannot be written.
+    /// out[first … end - 1] on all threads. Errors: its own, and those of PartFolder::complete().
     template<typename Value, typename Compute>
-    bool computedParts(std::string_view name, std::span<Value> out, std::size_t perPart, const Compute& compute) const
+    Status computedParts(std::string_view name, std::span<Value> out, std::size_t perPart, const Compute& compute) const
     {
         if (!isShared()) return compute(std::size_t(0), out.size());
         const auto partOf = [&](std::size_t part) {
             return out.subspan(part * perPart, std::min(perPart, out.size() - part * perPart));
         };
-        const auto bytesOf = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
+        const auto bytesOf = [&](std::size_t part) -> Result<std::vector<std::byte>> {
             const std::size_t first = part * perPart;
-            if (!compute(first, first + partOf(part).size())) return std::nullopt;
+            if (Status s = compute(first, first + partOf(part).size()); !s) return s.error();
             ByteWriter writer;
             for (Value& value : partOf(part)) exchange(writer, value);
             return writer.take();
         };
         const auto parts = folder_->complete(name, (out.size() + perPart - 1) / perPart, bytesOf);
-        for (std::size_t part = 0; parts && part < parts->size(); ++part) {
+        if (!parts) return parts.error();
+        for (std::size_t part = 0; part < parts->size(); ++part) {
             ByteReader reader((*parts)[part]);
             for (Value& value : partOf(part)) exchange(reader, value);
-            if (!reader.complete()) return false;
+            if (!reader.complete())
+                return Error{ErrorCode::FileInvalid, "a part of the cache is not what its name says"};
         }
-        return parts.has_value();
+        return {};
     }
 
 private:

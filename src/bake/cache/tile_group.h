@@ -100,13 +100,13 @@ public:
         }
     }
 
-    /// Compares check samples with those of the last bake. False when cancelled.
-    bool compare(const Progress& progress)
+    /// Compares check samples with those of the last bake.
+    Status compare(const Progress& progress)
     {
         const std::vector<std::size_t> places = placesOf(TileState::Compare);
-        if (places.empty()) return true;
+        if (places.empty()) return {};
         std::vector<Check> now(itemCount(places));
-        if (!work_.check(items(places), now, progress)) return false;
+        if (Status s = work_.check(items(places), now, progress); !s) return s;
         std::span<const Check> rest(now);
         for (const std::size_t i : places) {
             const auto own = rest.first(tiles_[i].values.size());
@@ -120,24 +120,24 @@ public:
             states_[i] = TileState::Changed;
             tiles_[i].checks.assign(own.begin(), own.end());
         }
-        return true;
+        return {};
     }
 
-    /// Computes the chosen items of kept tiles, values and check samples. False when cancelled.
-    bool computeChosen(const Progress& progress)
+    /// Computes the chosen items of kept tiles, values and check samples.
+    Status computeChosen(const Progress& progress)
     {
-        if (work_.chosen.empty()) return true;
+        if (work_.chosen.empty()) return {};
         std::vector<uint32_t> chosen;
         for (const std::size_t i : placesOf(TileState::Kept)) {
             const std::size_t first = tiling_.first(tiles_[i].header.tile);
             for (std::size_t k = 0; k < tiling_.size(tiles_[i].header.tile); ++k)
                 if (work_.chosen[first + k] != 0) chosen.push_back(uint32_t(first + k));
         }
-        if (chosen.empty()) return true;
+        if (chosen.empty()) return {};
         std::vector<Check> checks(chosen.size());
         std::vector<Value> values(chosen.size());
-        if (!work_.check(chosen, checks, Progress{{}, progress.cancel})) return false;
-        if (!work_.compute(chosen, values, progress)) return false;
+        if (Status s = work_.check(chosen, checks, Progress{{}, progress.cancel}); !s) return s;
+        if (Status s = work_.compute(chosen, values, progress); !s) return s;
         std::size_t next = 0;
         for (const std::size_t i : placesOf(TileState::Kept)) {
             Record<Value, Check>& tile = tiles_[i];
@@ -150,7 +150,7 @@ public:
             states_[i] = next > before ? TileState::Changed : TileState::Kept;
             if (next == before + tile.values.size()) tile.header.surface = work_.surface(first, tile.values.size());
         }
-        return true;
+        return {};
     }
 
     /// Number of missing tiles with items that are to be kept.
@@ -165,23 +165,23 @@ public:
         }));
     }
 
-    /// Computes the values of missing and changed tiles, and check samples of missing ones. False when cancelled.
-    bool compute(bool withChecks, const Progress& progress)
+    /// Computes the values of missing and changed tiles, and check samples of missing ones.
+    Status compute(bool withChecks, const Progress& progress)
     {
         std::vector<std::size_t> places = placesOf(TileState::Missing);
         if (withChecks && !places.empty()) {
             std::vector<Check> checks(itemCount(places));
-            if (!work_.check(items(places), checks, Progress{{}, progress.cancel})) return false;
+            if (Status s = work_.check(items(places), checks, Progress{{}, progress.cancel}); !s) return s;
             distribute(places, std::span<const Check>(checks), &Record<Value, Check>::checks);
         }
         const std::vector<std::size_t> changed = placesOf(TileState::Changed);
         places.insert(places.end(), changed.begin(), changed.end());
         std::sort(places.begin(), places.end());
-        if (places.empty()) return true;
+        if (places.empty()) return {};
         std::vector<Value> values(itemCount(places));
-        if (!work_.compute(items(places), values, progress)) return false;
+        if (Status s = work_.compute(items(places), values, progress); !s) return s;
         distribute(places, std::span<const Value>(values), &Record<Value, Check>::values);
-        return true;
+        return {};
     }
 
     /// Writes the parts that have tiles from elsewhere than the folder. False when one cannot be written.

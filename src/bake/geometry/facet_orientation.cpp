@@ -4,6 +4,7 @@
 #include "bake/geometry/facet_orientation.h"
 #include "bake/geometry/flatten.h"
 #include "bake/geometry/solids.h"
+#include "bake/geometry/surfaces_along.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
@@ -63,7 +64,7 @@ public:
     }
 
     /// The patches whose front faces a narrow, empty, nearly closed cavity and whose back faces open space.
-    [[nodiscard]] std::vector<Patch> facingCavities(std::span<const Patch> patches) const
+    [[nodiscard]] Result<std::vector<Patch>> facingCavities(std::span<const Patch> patches) const
     {
         std::vector<Patch> found;
         for (std::size_t first = 0; first < patches.size(); first += kBlockPatches) {
@@ -71,12 +72,16 @@ public:
             for (const Patch patch : patches.subspan(first, std::min(kBlockPatches, patches.size() - first)))
                 candidates.push_back({patch});
             for (int ray = 0; ray < kRaysOfSide && !candidates.empty(); ray += kRaysAtOnce) {
-                cast(candidates, ray, false);
+                if (Status s = cast(candidates, ray, false); !s) return s.error();
                 std::erase_if(candidates, [](const Candidate& c) { return c.enoughBack() > kRaysOfSide; });
             }
-            for (int ray = 0; ray < kRaysOfSide; ray += kRaysAtOnce) cast(candidates, ray, true);
+            for (int ray = 0; ray < kRaysOfSide; ray += kRaysAtOnce)
+                if (Status s = cast(candidates, ray, true); !s) return s.error();
             for (const Candidate& c : candidates) {
-                if (c.back >= c.enoughBack() && isEmpty(c.patch)) found.push_back(c.patch);
+                if (c.back < c.enoughBack()) continue;
+                const Result<bool> empty = isEmpty(c.patch);
+                if (!empty) return empty.error();
+                if (*empty) found.push_back(c.patch);
             }
         }
         return found;
@@ -106,7 +111,7 @@ private:
         return s;
     }
     /// Casts kRaysAtOnce rays of all candidates, from ray `begin` on.
-    void cast(std::vector<Candidate>& candidates, int begin, bool back) const
+    Status cast(std::vector<Candidate>& candidates, int begin, bool back) const
     {
         std::vector<Segment> segments(candidates.size() * kRaysAtOnce);
         parallelFor(candidates.size(), 16, [&](std::size_t first, std::size_t last) {
@@ -117,15 +122,16 @@ private:
                 segments[i] = {from, from + widest_ * (side * s.direction)};
             }
         });
-        std::vector<std::optional<vec2>> surfaces(segments.size());
-        integrator_.surfacesAlong(segments, surfaces);
+        const Result<SurfacesAlong> surfaces = surfacesAlong(integrator_, segments);
+        if (!surfaces) return surfaces.error();
         for (std::size_t i = 0; i < segments.size(); ++i) {
             Candidate& c = candidates[i / kRaysAtOnce];
-            (back ? c.back : c.front) += surfaces[i] ? 0 : 1;
+            (back ? c.back : c.front) += (*surfaces)[i] ? 0 : 1;
         }
+        return {};
     }
     /// Whether no light, camera or dynamic object is visible close by in front of a patch.
-    [[nodiscard]] bool isEmpty(Patch patch) const
+    [[nodiscard]] Result<bool> isEmpty(Patch patch) const
     {
         std::vector<Segment> segments;
         for (const vec3 point : points_) {
@@ -136,9 +142,9 @@ private:
                 segments.push_back({from, point});
             }
         }
-        std::vector<std::optional<vec2>> surfaces(segments.size());
-        integrator_.surfacesAlong(segments, surfaces);
-        return std::all_of(surfaces.begin(), surfaces.end(), [](const auto& s) { return s.has_value(); });
+        const Result<SurfacesAlong> surfaces = surfacesAlong(integrator_, segments);
+        if (!surfaces) return surfaces.error();
+        return std::all_of(surfaces->begin(), surfaces->end(), [](const auto& s) { return s.has_value(); });
     }
 
     const BakeGeometry& geometry_;
@@ -179,7 +185,7 @@ std::vector<std::vector<uint32_t>> flippableTriangles(const Scene& scene, const 
 }
 
 /// Flips the patches that face cavities. Whether there are any.
-bool flipCavityFaces(const Scene& scene, BakeGeometry& geometry, const Integrator& integrator)
+Result<bool> flipCavityFaces(const Scene& scene, BakeGeometry& geometry, const Integrator& integrator)
 {
     constexpr std::size_t kEnough = 262144; // triangles at a time, which bounds memory
     const CavityTest test(scene, geometry, integrator);
@@ -192,7 +198,9 @@ bool flipCavityFaces(const Scene& scene, BakeGeometry& geometry, const Integrato
         });
         std::vector<Patch> patches;
         for (const auto& ofObject : patchesOf) patches.insert(patches.end(), ofObject.begin(), ofObject.end());
-        for (const Patch patch : test.facingCavities(patches)) wrong.insert(wrong.end(), patch.begin(), patch.end());
+        const Result<std::vector<Patch>> facing = test.facingCavities(patches);
+        if (!facing) return facing.error();
+        for (const Patch patch : *facing) wrong.insert(wrong.end(), patch.begin(), patch.end());
     }
     flipTriangles(geometry, wrong);
     return !wrong.empty();
@@ -205,11 +213,14 @@ Result<std::unique_ptr<Integrator>> repairOrientation(const IntegratorFactory& f
                                                       const Integrator* tree)
 {
     if (tree != nullptr) {
-        flipCavityFaces(scene, geometry, *tree);
+        if (Result<bool> flipped = flipCavityFaces(scene, geometry, *tree); !flipped) return flipped.error();
         return factory.make(scene, geometry, settings);
     }
     Result<std::unique_ptr<Integrator>> integrator = factory.make(scene, geometry, settings);
-    if (!integrator || !flipCavityFaces(scene, geometry, **integrator)) return integrator;
+    if (!integrator) return integrator;
+    const Result<bool> flipped = flipCavityFaces(scene, geometry, **integrator);
+    if (!flipped) return flipped.error();
+    if (!*flipped) return integrator;
     return factory.make(scene, geometry, settings);
 }
 

@@ -122,7 +122,7 @@ std::vector<uint32_t> listParts(const Scene& scene, GeometryFilter filter, const
             out.material = part.material;
             out.side = part.side;
             out.firstTriangle = triangleCount;
-            out.triangleCount = uint32_t(part.indices.size() / 3);
+            out.triangleCount = uint32_t(part.triangleCount());
             out.vertexCount = uint32_t(part.positions.size());
             out.castShadows = object.castShadows && materialOf(scene, part).castShadows;
             out.receiveShadows = object.receiveShadows && materialOf(scene, part).receiveShadows;

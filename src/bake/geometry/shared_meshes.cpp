@@ -18,13 +18,6 @@ bool isFlat(const mat3& linear)
     return !(std::abs(glm::determinant(linear)) >= kFlattest * longest * longest * longest);
 }
 
-std::size_t triangleCountOf(const Mesh& mesh)
-{
-    std::size_t count = 0;
-    for (const MeshPart& part : mesh.parts) count += part.indices.size() / 3;
-    return count;
-}
-
 } // namespace
 
 vec3 middleOf(const Mesh& mesh)
@@ -56,7 +49,7 @@ std::vector<std::optional<BakeGeometry::Instance>> shareMeshes(const Scene& scen
     std::vector<uint8_t> shared(scene.meshes.size(), 0);
     std::vector<vec3> middles(scene.meshes.size());
     for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-        if (users[m] < 2 || (users[m] - 1) * triangleCountOf(scene.meshes[m]) < kFewestSaved) continue;
+        if (users[m] < 2 || (users[m] - 1) * scene.meshes[m].triangleCount() < kFewestSaved) continue;
         shared[m] = 1;
         middles[m] = middleOf(scene.meshes[m]);
     }

@@ -8,10 +8,7 @@ namespace {
 std::vector<std::size_t> trianglesOfObjects(const Scene& scene)
 {
     std::vector<std::size_t> counts;
-    for (const Object& object : scene.objects) {
-        std::size_t& count = counts.emplace_back(0);
-        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) count += part.indices.size() / 3;
-    }
+    for (const Object& object : scene.objects) counts.push_back(scene.meshes[std::size_t(object.mesh)].triangleCount());
     return counts;
 }
 

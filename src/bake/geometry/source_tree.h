@@ -20,6 +20,12 @@ public:
     const BakeGeometry& geometryOf(const Scene& scene);
     /// Null where none can be made: the bake stops at the same error in its own stage. `scene` need not outlive it.
     Integrator* integratorOf(const Scene& scene);
+    /// Keeps the first error of a test, which cannot return one. The bake ends with it.
+    void fail(const Error& error)
+    {
+        if (status_) status_ = error;
+    }
+    [[nodiscard]] const Status& status() const { return status_; }
     /// The one that was made last; null if none was.
     [[nodiscard]] const Integrator* integrator() const { return integrator_.get(); }
 
@@ -30,6 +36,7 @@ private:
     BakeGeometry geometry_;
     Scene scene_; ///< without meshes: what the integrator refers to
     std::unique_ptr<Integrator> integrator_;
+    Status status_;
 };
 
 } // namespace halflight

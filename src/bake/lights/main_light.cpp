@@ -65,11 +65,11 @@ std::optional<MainLight> findMainLight(const Scene& scene)
     return std::nullopt;
 }
 
-bool bakeMainLight(const CachedIntegrator& cached, MainLight& main, const Progress& progress)
+Status bakeMainLight(const CachedIntegrator& cached, MainLight& main, const Progress& progress)
 {
     const std::size_t count = cached.map.texels.size();
     std::vector<vec4> mask(count);
-    if (!cached.shadowmask(0, mask, progress)) return false;
+    if (Status s = cached.shadowmask(0, mask, progress); !s) return s;
     main.unshadowed.assign(count, vec3(0.0f));
     main.transmittance.assign(count, 0.0f);
     parallelFor(count, 1024, [&](std::size_t begin, std::size_t end) {
@@ -80,7 +80,7 @@ bool bakeMainLight(const CachedIntegrator& cached, MainLight& main, const Progre
                                                       main.towardsLight, main.illuminance);
         }
     });
-    return true;
+    return {};
 }
 
 void MainLight::addTo(std::vector<vec3>& irradiance) const

@@ -36,8 +36,8 @@ struct MainLight {
 /// The scene's main light, without values by texel; nothing without one, or in other mixing modes.
 std::optional<MainLight> findMainLight(const Scene& scene);
 
-/// Fills in the values by texel. False when cancelled.
-bool bakeMainLight(const CachedIntegrator& cached, MainLight& main, const Progress& progress);
+/// Fills in the values by texel.
+Status bakeMainLight(const CachedIntegrator& cached, MainLight& main, const Progress& progress);
 
 /// Lower limit of subtractive shadows in lux, for scenes that set none: by colour channel the median of `otherLight`
 /// over texels that face the main light and lie in its shadow. `otherLight`: all light but the main light's direct

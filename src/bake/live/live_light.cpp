@@ -28,16 +28,16 @@ constexpr float kHeadroom = 8.0f;
 constexpr std::size_t kFirstTexels = 16'384;
 constexpr double kSecondsAtOnce = 1.0;
 
-/// A grid of light probes, roughly. Nothing when cancelled.
-std::optional<ProbeSet> roughProbes(const Scene& scene, float spacingMeters, Integrator& integrator,
-                                    const Progress& progress)
+/// A grid of light probes, roughly.
+Result<ProbeSet> roughProbes(const Scene& scene, float spacingMeters, Integrator& integrator, const Progress& progress)
 {
     std::vector<std::string> unread; // the bake says it
     ProbeSet set = probeGrid(scene, spacingMeters, unread);
     std::vector<vec3> positions;
     for (const Probe& probe : set.probes) positions.push_back(probe.position);
     std::vector<ProbeEstimate> estimates(positions.size());
-    if (!integrator.probes(positions, allIndices(positions.size()), kPaths, estimates, progress)) return std::nullopt;
+    const std::vector<uint32_t> all = allIndices(positions.size());
+    if (Status s = integrator.probes(positions, all, kPaths, estimates, progress); !s) return s.error();
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         set.probes[i].radiance = estimates[i].radiance;
         set.probes[i].valid = estimates[i].valid;
@@ -63,8 +63,8 @@ void withoutMask(BakedScene& light)
 
 } // namespace
 
-bool LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
-                                const IntegrationSettings& integration, const Progress& progress)
+Status LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
+                                  const IntegrationSettings& integration, const Progress& progress)
 {
     progress("first light", 0.0);
     BakedScene light;
@@ -77,10 +77,10 @@ bool LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const
     IntegrationSettings few = integration;
     few.fewRays = true;
     Result<std::unique_ptr<Integrator>> integrator = factory.make(light.scene, geometry, few);
-    if (!integrator) return true; // the bake finds the same, and says it
+    if (!integrator) return {}; // the bake finds the same, and says it
     const Progress quiet{{}, progress.cancel};
-    std::optional<ProbeSet> probes = roughProbes(light.scene, settings.probeSpacingMeters, **integrator, quiet);
-    if (!probes) return false;
+    Result<ProbeSet> probes = roughProbes(light.scene, settings.probeSpacingMeters, **integrator, quiet);
+    if (!probes) return probes.error();
     integrator->reset();
     probes_ = std::move(*probes);
     light.probes = probes_;
@@ -92,10 +92,10 @@ bool LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const
     }
     constexpr std::chrono::milliseconds kLook(5);
     while (waits_ && !progress.cancelled()) std::this_thread::sleep_for(kLook);
-    return !progress.cancelled();
+    return progress.cancelled() ? Status(cancelledError()) : Status();
 }
 
-bool LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached, const Progress& progress)
+Status LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached, const Progress& progress)
 {
     progress("first light", 0.0);
     const TexelMap& map = cached.map;
@@ -106,7 +106,7 @@ bool LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached, c
     TexelRequest request{texels, kPaths};
     request.rough = true;
     std::vector<IrradianceEstimate> estimates(texels.size());
-    if (!cached.integrator.irradiance(map, request, estimates, quiet)) return false;
+    if (Status s = cached.prepare()->irradiance(request, estimates, quiet); !s) return s;
     std::vector<vec3> values;
     for (const IrradianceEstimate& estimate : estimates) values.push_back(estimate.irradiance);
     progress("first light", 0.5);
@@ -124,10 +124,11 @@ bool LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached, c
     pages_.emplace(std::move(pages));
     unitLux_ = light.lightmapUnitLux;
     light_ = std::move(light);
-    return true;
+    return {};
 }
 
-bool LiveLight::irradiance(const CachedIntegrator& cached, std::span<IrradianceEstimate> out, const Progress& progress)
+Status LiveLight::irradiance(const CachedIntegrator& cached, PreparedLightmap& lightmap,
+                             std::span<IrradianceEstimate> out, const Progress& progress)
 {
     const TexelMap& map = cached.map;
     TexelOrder order = cached.cache != nullptr
@@ -148,10 +149,10 @@ bool LiveLight::irradiance(const CachedIntegrator& cached, std::span<IrradianceE
         const double share = 1.0 / double(map.texels.size());
         const Progress part = partOf(progress, double(done) * share, double(done + texels.size()) * share);
         if (cached.cache != nullptr) {
-            if (!cached.irradianceOfParts(pieces, out, part)) return false;
+            if (Status s = cached.irradianceOfParts(lightmap, pieces, out, part); !s) return s;
         } else {
             estimates.assign(texels.size(), {});
-            if (!cached.integrator.irradiance(map, {texels}, estimates, part)) return false;
+            if (Status s = lightmap.irradiance({texels}, estimates, part); !s) return s;
             for (std::size_t i = 0; i < texels.size(); ++i) out[texels[i]] = estimates[i];
         }
         done += texels.size();
@@ -160,7 +161,7 @@ bool LiveLight::irradiance(const CachedIntegrator& cached, std::span<IrradianceE
         const double fitting = double(texels.size()) * kSecondsAtOnce / std::max(taken.count(), 1.0e-3);
         atOnce = std::clamp(std::size_t(fitting), kFirstTexels / 4, 2 * atOnce);
     }
-    return true;
+    return {};
 }
 
 void LiveLight::show(const TexelMap& map, std::span<const uint32_t> texels, std::span<const IrradianceEstimate> all)

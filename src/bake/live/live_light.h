@@ -17,14 +17,14 @@ namespace halflight {
 
 class LiveLight {
 public:
-    /// The light of probes alone, of a scene without its layout. False when cancelled.
-    bool beginWithProbes(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
-                         const IntegrationSettings& integration, const Progress& progress);
-    /// First light of a scene with its layout. `map`, which outlives the calls, has no valid points yet. False when
-    /// cancelled.
-    bool begin(const BakedScene& scene, const CachedIntegrator& cached, const Progress& progress);
+    /// The light of probes alone, of a scene without its layout.
+    Status beginWithProbes(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
+                           const IntegrationSettings& integration, const Progress& progress);
+    /// First light of a scene with its layout. `map`, which outlives the calls, has no valid points yet.
+    Status begin(const BakedScene& scene, const CachedIntegrator& cached, const Progress& progress);
     /// As CachedIntegrator::irradiance(), piece by piece in the order of the view.
-    bool irradiance(const CachedIntegrator& cached, std::span<IrradianceEstimate> out, const Progress& progress);
+    Status irradiance(const CachedIntegrator& cached, PreparedLightmap& lightmap, std::span<IrradianceEstimate> out,
+                      const Progress& progress);
     /// The finished pages, lux.
     void finish(const std::vector<ImageRgb32f>& pages);
 

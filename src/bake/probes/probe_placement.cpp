@@ -1,6 +1,7 @@
 #include "bake/probes/probe_placement.h"
 
 #include "bake/geometry/hash_grid.h"
+#include "bake/geometry/surfaces_along.h"
 #include "bake/probes/probe_tree.h"
 
 #include "halflight/base/mathematics.h"
@@ -32,8 +33,8 @@ struct Disagreement {
 };
 
 /// The links whose ends disagree, largest disagreement first.
-std::vector<Disagreement> disagreements(std::span<const Probe> probes, std::span<const ProbeLink> links, float dark,
-                                        const Integrator& integrator)
+Result<std::vector<Disagreement>> disagreements(std::span<const Probe> probes, std::span<const ProbeLink> links,
+                                                float dark, const Integrator& integrator)
 {
     std::vector<Disagreement> all(links.size());
     parallelFor(links.size(), 16, [&](std::size_t begin, std::size_t end) {
@@ -50,9 +51,9 @@ std::vector<Disagreement> disagreements(std::span<const Probe> probes, std::span
     std::vector<Segment> segments;
     segments.reserve(all.size());
     for (const Disagreement& d : all) segments.push_back({probes[d.link.a].position, probes[d.link.b].position});
-    std::vector<std::optional<vec2>> surfaces(segments.size());
-    integrator.surfacesAlong(segments, surfaces);
-    for (std::size_t i = 0; i < all.size(); ++i) all[i].surfaces = surfaces[i];
+    const Result<SurfacesAlong> surfaces = surfacesAlong(integrator, segments);
+    if (!surfaces) return surfaces.error();
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].surfaces = (*surfaces)[i];
     std::stable_sort(all.begin(), all.end(),
                      [](const Disagreement& x, const Disagreement& y) { return x.size > y.size; });
     return all;
@@ -171,13 +172,15 @@ float disagreement(std::span<const Probe* const> probes, float dark)
     return std::max(most, largestExcess(leastHidden, mostHidden) / kDisagrees);
 }
 
-AddedProbes probesBetween(std::span<const Probe> probes, std::span<const vec3> sides, std::span<const ProbeLink> links,
-                          std::size_t most, const Integrator& integrator)
+Result<AddedProbes> probesBetween(std::span<const Probe> probes, std::span<const vec3> sides,
+                                  std::span<const ProbeLink> links, std::size_t most, const Integrator& integrator)
 {
     const std::optional<float> dark = darkIrradiance(probes);
-    if (!dark) return {};
+    if (!dark) return AddedProbes();
+    const Result<std::vector<Disagreement>> found = disagreements(probes, links, *dark, integrator);
+    if (!found) return found.error();
     Adder adder(probes.size());
-    for (const Disagreement& d : disagreements(probes, links, *dark, integrator)) {
+    for (const Disagreement& d : *found) {
         if (adder.total() + 2 > most) break;
         const Probe& a = probes[d.link.a];
         const Probe& b = probes[d.link.b];
@@ -193,8 +196,8 @@ AddedProbes probesBetween(std::span<const Probe> probes, std::span<const vec3> s
     return std::move(adder.added);
 }
 
-AddedProbes probesOnFloors(std::span<const Probe> probes, std::span<const vec3> sides, std::size_t most,
-                           const Integrator& integrator)
+Result<AddedProbes> probesOnFloors(std::span<const Probe> probes, std::span<const vec3> sides, std::size_t most,
+                                   const Integrator& integrator)
 {
     std::vector<uint32_t> above;
     std::vector<Segment> segments;
@@ -205,16 +208,17 @@ AddedProbes probesOnFloors(std::span<const Probe> probes, std::span<const vec3> 
         segments.push_back({probes[i].position, probes[i].position - vec3(0.0f, sides[i].y, 0.0f)});
         finest = std::min(finest, shortestSide(sides[i]));
     }
-    std::vector<std::optional<vec2>> surfaces(segments.size());
-    integrator.surfacesAlong(segments, surfaces);
+    const Result<SurfacesAlong> surfaces = surfacesAlong(integrator, segments);
+    if (!surfaces) return surfaces.error();
     DistinctPoints floorPoints(kSamePlaceShare * finest); // probes of one column share theirs
     Adder adder(probes.size());
     for (std::size_t k = 0; k < above.size() && adder.total() < most; ++k) {
         const vec3 cell = sides[above[k]];
         const float height = kFloorShare * shortestSide(cell);
         const float low = shortestSide(cell) > kFinestMeters ? 0.25f * kFinestMeters : 2.0f * height;
-        if (!surfaces[k] || surfaces[k]->x <= low) continue;
-        const vec3 foot = segments[k].from - vec3(0.0f, surfaces[k]->x - height, 0.0f);
+        const std::optional<vec2>& floor = (*surfaces)[k];
+        if (!floor || floor->x <= low) continue;
+        const vec3 foot = segments[k].from - vec3(0.0f, floor->x - height, 0.0f);
         if (floorPoints.insert(foot)) adder.add(above[k], foot, shortestSide(cell), cell);
     }
     return std::move(adder.added);
@@ -258,17 +262,18 @@ void smoothOnce(std::span<Probe> probes, std::span<float> variances, std::span<c
 
 } // namespace
 
-void denoiseProbes(std::span<Probe> probes, std::vector<float> variances, std::span<const ProbeLink> links,
-                   const Integrator& integrator)
+Status denoiseProbes(std::span<Probe> probes, std::vector<float> variances, std::span<const ProbeLink> links,
+                     const Integrator& integrator)
 {
     std::vector<Segment> segments;
     segments.reserve(links.size());
     for (const ProbeLink& link : links) segments.push_back({probes[link.a].position, probes[link.b].position});
-    std::vector<std::optional<vec2>> surfaces(segments.size());
-    integrator.surfacesAlong(segments, surfaces);
+    const Result<SurfacesAlong> surfaces = surfacesAlong(integrator, segments);
+    if (!surfaces) return surfaces.error();
     std::vector<uint8_t> isOpen;
-    for (const auto& surface : surfaces) isOpen.push_back(surface ? 0 : 1);
+    for (const auto& surface : *surfaces) isOpen.push_back(surface ? 0 : 1);
     for (int pass = 0; pass < 2; ++pass) smoothOnce(probes, variances, links, isOpen); // more would blur light
+    return {};
 }
 
 } // namespace halflight

@@ -65,14 +65,14 @@ float disagreement(std::span<const Probe* const> probes, float dark);
 /// One level of refinement: a probe in the middle of each unoccluded link whose ends disagree, and probes on both sides
 /// of the surfaces on each occluded one. The total stays below `most` probes; the largest disagreements come first.
 /// `sides`: by probe, of the cell that it was placed by.
-AddedProbes probesBetween(std::span<const Probe> probes, std::span<const vec3> sides, std::span<const ProbeLink> links,
-                          std::size_t most, const Integrator& integrator);
+Result<AddedProbes> probesBetween(std::span<const Probe> probes, std::span<const vec3> sides,
+                                  std::span<const ProbeLink> links, std::size_t most, const Integrator& integrator);
 
 /// A layer of up to `most` probes just above the floors. Objects stand on floors: without the layer, points below the
 /// lowest probes lie in tetrahedra that reach through the floor, or beyond its rim. Walls and ceilings have no such
 /// layer. `sides`: as above; the vertical one is the largest distance to the floor below a probe.
-AddedProbes probesOnFloors(std::span<const Probe> probes, std::span<const vec3> sides, std::size_t most,
-                           const Integrator& integrator);
+Result<AddedProbes> probesOnFloors(std::span<const Probe> probes, std::span<const vec3> sides, std::size_t most,
+                                   const Integrator& integrator);
 
 /// Probes closer than this share of the shortest spacing are one.
 constexpr float kSamePlaceShare = 0.05f;
@@ -80,7 +80,7 @@ constexpr float kSamePlaceShare = 0.05f;
 /// Bilateral filter of SH coefficients (Tomasi and Manduchi 1998) over mutually visible linked probes. One weight
 /// serves all nine coefficients, so that directions and the ratio of bands stay. `variances`: of the luminance of a
 /// coefficient.
-void denoiseProbes(std::span<Probe> probes, std::vector<float> variances, std::span<const ProbeLink> links,
-                   const Integrator& integrator);
+Status denoiseProbes(std::span<Probe> probes, std::vector<float> variances, std::span<const ProbeLink> links,
+                     const Integrator& integrator);
 
 } // namespace halflight

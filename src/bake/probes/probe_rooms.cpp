@@ -1,6 +1,7 @@
 #include "bake/probes/probe_rooms.h"
 
 #include "bake/geometry/indices.h"
+#include "bake/geometry/surfaces_along.h"
 
 #include "halflight/shading/color.h"
 #include "halflight/shading/sh.h"
@@ -56,7 +57,7 @@ void addPlaces(const Ray& ray, int axis, float length, bool endsAtSurface, float
 
 } // namespace
 
-std::vector<Place> placesBesideSurfaces(const Bounds& box, float reachMeters, const Integrator& integrator)
+Result<std::vector<Place>> placesBesideSurfaces(const Bounds& box, float reachMeters, const Integrator& integrator)
 {
     std::vector<Place> places;
     const vec3 size = box.size();
@@ -84,16 +85,16 @@ std::vector<Place> placesBesideSurfaces(const Bounds& box, float reachMeters, co
                 segments.push_back({ray.from, ray.from});
                 segments.back().to[axis] = end;
             }
-            std::vector<std::optional<vec2>> surfaces(segments.size());
-            integrator.surfacesAlong(segments, surfaces);
+            const Result<SurfacesAlong> surfaces = surfacesAlong(integrator, segments);
+            if (!surfaces) return surfaces.error();
             std::vector<Ray> next;
             for (std::size_t i = 0; i < rays.size(); ++i) {
+                const std::optional<vec2>& surface = (*surfaces)[i];
                 const float left = end - rays[i].from[axis];
-                addPlaces(rays[i], axis, surfaces[i] ? surfaces[i]->x : left, surfaces[i].has_value(), reachMeters,
-                          places);
-                if (!surfaces[i] || surfaces[i]->x + 2.0f * step > left) continue;
+                addPlaces(rays[i], axis, surface ? surface->x : left, surface.has_value(), reachMeters, places);
+                if (!surface || surface->x + 2.0f * step > left) continue;
                 Ray beyond{rays[i].from, true};
-                beyond.from[axis] += surfaces[i]->x + step;
+                beyond.from[axis] += surface->x + step;
                 next.push_back(beyond);
             }
             rays = std::move(next);
@@ -133,15 +134,15 @@ std::vector<RoomCell> RoomSearch::halvesOf(const RoomCell& room) const
     return parts;
 }
 
-std::vector<RoomSearch::Sight> RoomSearch::sightOf(std::span<const RoomCell> cells, std::span<const Probe> probes,
-                                                   float dark) const
+Result<std::vector<RoomSearch::Sight>> RoomSearch::sightOf(std::span<const RoomCell> cells,
+                                                           std::span<const Probe> probes, float dark) const
 {
     std::vector<Sight> sights(cells.size());
     std::vector<Segment> segments;
     std::vector<std::size_t> seen;
-    const auto finish = [&](std::size_t begin, std::size_t end) {
-        std::vector<std::optional<vec2>> surfaces(segments.size());
-        integrator_.surfacesAlong(segments, surfaces);
+    const auto finish = [&](std::size_t begin, std::size_t end) -> Status {
+        const Result<SurfacesAlong> surfaces = surfacesAlong(integrator_, segments);
+        if (!surfaces) return surfaces.error();
         std::size_t at = 0;
         for (std::size_t i = begin; i < end; ++i) {
             Sight& sight = sights[i];
@@ -151,7 +152,7 @@ std::vector<RoomSearch::Sight> RoomSearch::sightOf(std::span<const RoomCell> cel
                 float least = kInfinity;
                 float largest = 0.0f;
                 for (const uint32_t corner : sight.corners) {
-                    if (surfaces[at++]) continue;
+                    if ((*surfaces)[at++]) continue;
                     const float light = std::max(meanIrradiance(probes[corner].radiance), dark);
                     least = std::min(least, light);
                     largest = std::max(largest, light);
@@ -166,6 +167,7 @@ std::vector<RoomSearch::Sight> RoomSearch::sightOf(std::span<const RoomCell> cel
             }
         }
         segments.clear();
+        return {};
     };
     std::size_t begin = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -174,14 +176,14 @@ std::vector<RoomSearch::Sight> RoomSearch::sightOf(std::span<const RoomCell> cel
             for (const uint32_t corner : sights[i].corners)
                 segments.push_back({probes[corner].position, places_[place].position});
         if (segments.size() < kAtOnce && i + 1 < cells.size()) continue;
-        finish(begin, i + 1);
+        if (Status s = finish(begin, i + 1); !s) return s.error();
         begin = i + 1;
     }
     return sights;
 }
 
 /// 1 where nothing is within the clearance, along the axes.
-std::vector<uint8_t> RoomSearch::clearOf(std::span<const uint32_t> places) const
+Result<std::vector<uint8_t>> RoomSearch::clearOf(std::span<const uint32_t> places) const
 {
     std::vector<Segment> segments;
     for (const uint32_t i : places) {
@@ -191,16 +193,18 @@ std::vector<uint8_t> RoomSearch::clearOf(std::span<const uint32_t> places) const
             segments.push_back({place(i) - way, place(i) + way});
         }
     }
-    std::vector<std::optional<vec2>> surfaces(segments.size());
-    integrator_.surfacesAlong(segments, surfaces);
+    const Result<SurfacesAlong> surfaces = surfacesAlong(integrator_, segments);
+    if (!surfaces) return surfaces.error();
     std::vector<uint8_t> clear(places.size());
-    for (std::size_t i = 0; i < places.size(); ++i)
-        clear[i] = !surfaces[3 * i] && !surfaces[3 * i + 1] && !surfaces[3 * i + 2] ? 1 : 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const std::optional<vec2>* alongAxes = &(*surfaces)[3 * i];
+        clear[i] = !alongAxes[0] && !alongAxes[1] && !alongAxes[2] ? 1 : 0;
+    }
     return clear;
 }
 
-bool RoomSearch::trace(std::span<const uint32_t> places, int paths, std::vector<ProbeEstimate>& out,
-                       const Progress& progress) const
+Status RoomSearch::trace(std::span<const uint32_t> places, int paths, std::vector<ProbeEstimate>& out,
+                         const Progress& progress) const
 {
     std::vector<vec3> positions;
     for (const uint32_t i : places) positions.push_back(place(i));
@@ -209,25 +213,26 @@ bool RoomSearch::trace(std::span<const uint32_t> places, int paths, std::vector<
 }
 
 /// Places in gaps that are too narrow count as inside.
-bool RoomSearch::findOutside(std::vector<uint32_t> places, const Progress& progress)
+Status RoomSearch::findOutside(std::vector<uint32_t> places, const Progress& progress)
 {
-    const std::vector<uint8_t> clear = clearOf(places);
+    const Result<std::vector<uint8_t>> clear = clearOf(places);
+    if (!clear) return clear.error();
     std::vector<uint32_t> open;
     for (std::size_t i = 0; i < places.size(); ++i) {
         known_[places[i]] = kInside;
-        if (clear[i] != 0) open.push_back(places[i]);
+        if ((*clear)[i] != 0) open.push_back(places[i]);
     }
     std::vector<ProbeEstimate> tests;
-    if (!trace(open, kTestPaths, tests, progress)) return false;
+    if (Status s = trace(open, kTestPaths, tests, progress); !s) return s;
     for (std::size_t i = 0; i < open.size(); ++i)
         if (tests[i].valid) known_[open[i]] = kOutside;
-    return true;
+    return {};
 }
 
 /// Cells with places that some corners do not see, by their light.
-bool RoomSearch::compareLight(std::span<const RoomCell> cells, std::span<const Sight> sights,
-                              std::span<const Probe> probes, float dark, std::vector<Verdict>& verdicts,
-                              const Progress& progress) const
+Status RoomSearch::compareLight(std::span<const RoomCell> cells, std::span<const Sight> sights,
+                                std::span<const Probe> probes, float dark, std::vector<Verdict>& verdicts,
+                                const Progress& progress) const
 {
     std::vector<std::size_t> even;
     std::vector<uint32_t> places;
@@ -241,7 +246,7 @@ bool RoomSearch::compareLight(std::span<const RoomCell> cells, std::span<const S
         places.push_back(*sights[i].hidden);
     }
     std::vector<ProbeEstimate> tests;
-    if (!trace(places, 4 * kTestPaths, tests, progress)) return false;
+    if (Status s = trace(places, 4 * kTestPaths, tests, progress); !s) return s;
     for (std::size_t k = 0; k < even.size(); ++k) {
         float least = kInfinity;
         float largest = dark;
@@ -257,19 +262,21 @@ bool RoomSearch::compareLight(std::span<const RoomCell> cells, std::span<const S
         const bool brighter = largest < (1.0f - kDisagrees) * (here - noise);
         verdicts[even[k]].halve = tests[k].valid && (darker || brighter);
     }
-    return true;
+    return {};
 }
 
-std::optional<std::vector<RoomSearch::Verdict>>
-RoomSearch::judge(std::span<const RoomCell> cells, std::span<const Probe> probes, const Progress& progress)
+Result<std::vector<RoomSearch::Verdict>> RoomSearch::judge(std::span<const RoomCell> cells,
+                                                           std::span<const Probe> probes, const Progress& progress)
 {
     const float dark = darkIrradiance(probes).value_or(0.0f);
-    const std::vector<Sight> sights = sightOf(cells, probes, dark);
+    const Result<std::vector<Sight>> found = sightOf(cells, probes, dark);
+    if (!found) return found.error();
+    const std::vector<Sight>& sights = *found;
     std::vector<uint32_t> unknown;
     for (const Sight& sight : sights)
         for (const uint32_t place : sight.unseen)
             if (known_[place] == kUnknown) unknown.push_back(place);
-    if (!findOutside(std::move(unknown), progress)) return std::nullopt;
+    if (Status s = findOutside(std::move(unknown), progress); !s) return s.error();
     std::vector<Verdict> verdicts(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) {
         for (const uint32_t place : sights[i].unseen)
@@ -280,7 +287,7 @@ RoomSearch::judge(std::span<const RoomCell> cells, std::span<const Probe> probes
             halve |= tree_.canHalve(cells[i].cell, std::max(places_[place].roomMeters, 2.0f * kFinestMeters));
         verdicts[i].halve = halve && tree_.canHalve(cells[i].cell, kFinestMeters);
     }
-    if (!compareLight(cells, sights, probes, dark, verdicts, progress)) return std::nullopt;
+    if (Status s = compareLight(cells, sights, probes, dark, verdicts, progress); !s) return s.error();
     return verdicts;
 }
 

@@ -16,7 +16,7 @@ struct Place {
 /// Places beside surfaces, found by rays along the axes through a box: `reachMeters` off, or halfway between two
 /// surfaces that are nearer to one another. Columns of rays are two reaches apart, or as far as keeps them few; so no
 /// room wider than that is missed, however large the world is. Some places are inside geometry.
-std::vector<Place> placesBesideSurfaces(const Bounds& box, float reachMeters, const Integrator& integrator);
+Result<std::vector<Place>> placesBesideSurfaces(const Bounds& box, float reachMeters, const Integrator& integrator);
 
 /// A cell of probes, and the places in it.
 struct RoomCell {
@@ -49,9 +49,9 @@ public:
     /// - if it is longer than twice the room around some place, or
     /// - surfaces hide places from some corners, and light differs between the corners, or between them and the place
     ///   that most of them do not see; both not for cells that are shorter than four times kFinestMeters.
-    /// `probes`: all so far. Nothing when cancelled.
-    std::optional<std::vector<Verdict>> judge(std::span<const RoomCell> cells, std::span<const Probe> probes,
-                                              const Progress& progress);
+    /// `probes`: all so far.
+    Result<std::vector<Verdict>> judge(std::span<const RoomCell> cells, std::span<const Probe> probes,
+                                       const Progress& progress);
 
 private:
     enum : uint8_t { kUnknown, kOutside, kInside };
@@ -61,14 +61,14 @@ private:
         std::vector<uint32_t> corners;  ///< valid ones, as probes
         float evenness = 1.0f;          ///< least over largest light of the corners that see a place
     };
-    [[nodiscard]] std::vector<Sight> sightOf(std::span<const RoomCell> cells, std::span<const Probe> probes,
-                                             float dark) const;
-    bool findOutside(std::vector<uint32_t> places, const Progress& progress);
-    [[nodiscard]] std::vector<uint8_t> clearOf(std::span<const uint32_t> places) const;
-    bool compareLight(std::span<const RoomCell> cells, std::span<const Sight> sights, std::span<const Probe> probes,
-                      float dark, std::vector<Verdict>& verdicts, const Progress& progress) const;
-    bool trace(std::span<const uint32_t> places, int paths, std::vector<ProbeEstimate>& out,
-               const Progress& progress) const;
+    [[nodiscard]] Result<std::vector<Sight>> sightOf(std::span<const RoomCell> cells, std::span<const Probe> probes,
+                                                     float dark) const;
+    Status findOutside(std::vector<uint32_t> places, const Progress& progress);
+    [[nodiscard]] Result<std::vector<uint8_t>> clearOf(std::span<const uint32_t> places) const;
+    Status compareLight(std::span<const RoomCell> cells, std::span<const Sight> sights, std::span<const Probe> probes,
+                        float dark, std::vector<Verdict>& verdicts, const Progress& progress) const;
+    Status trace(std::span<const uint32_t> places, int paths, std::vector<ProbeEstimate>& out,
+                 const Progress& progress) const;
 
     ProbeTree& tree_;
     std::vector<Place> places_;

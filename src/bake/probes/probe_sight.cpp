@@ -1,4 +1,5 @@
 // How far probes see. Maps go to those probes alone that would otherwise light points behind a surface.
+#include "bake/geometry/surfaces_along.h"
 #include "bake/probes/probes.h"
 
 #include "halflight/base/parallel.h"
@@ -47,12 +48,13 @@ public:
         blind_.assign(set.probes.size(), 0);
     }
 
-    std::optional<ProbeSight> find(const Progress& progress)
+    Result<ProbeSight> find(const Progress& progress)
     {
         const std::vector<vec4> points = testPoints();
         for (std::size_t begin = 0; begin < cells_.size(); begin += kProbesAtOnce) {
-            if (progress.cancelled()) return std::nullopt;
-            markBlindProbes(begin, std::min(begin + kProbesAtOnce, cells_.size()), points);
+            if (progress.cancelled()) return cancelledError();
+            const std::size_t end = std::min(begin + kProbesAtOnce, cells_.size());
+            if (Status s = markBlindProbes(begin, end, points); !s) return s.error();
         }
         ProbeSight sight;
         if (std::find(blind_.begin(), blind_.end(), 1) == blind_.end()) return sight;
@@ -62,9 +64,9 @@ public:
         for (uint32_t i = 0; i < blind_.size(); ++i)
             if (sight.rangeMeters[i] > 0.0f) mapped.push_back(i);
         for (std::size_t begin = 0; begin < mapped.size(); begin += kProbesAtOnce) {
-            if (progress.cancelled()) return std::nullopt;
+            if (progress.cancelled()) return cancelledError();
             const std::size_t count = std::min(kProbesAtOnce, mapped.size() - begin);
-            addMaps(std::span(mapped).subspan(begin, count), sight);
+            if (Status s = addMaps(std::span(mapped).subspan(begin, count), sight); !s) return s.error();
         }
         return sight;
     }
@@ -73,7 +75,7 @@ private:
     [[nodiscard]] vec3 positionOf(uint32_t probe) const { return set_.probes[probe].position; }
 
     /// A probe is blind if it does not see some point of a tetrahedron that another of its corners does see.
-    void markBlindProbes(std::size_t begin, std::size_t end, std::span<const vec4> points)
+    Status markBlindProbes(std::size_t begin, std::size_t end, std::span<const vec4> points)
     {
         std::vector<Segment> segments;
         for (std::size_t i = begin; i < end; ++i) {
@@ -84,17 +86,18 @@ private:
                 for (const uint32_t corner : corners) segments.push_back({positionOf(corner), point});
             }
         }
-        std::vector<std::optional<vec2>> surfaces(segments.size());
-        integrator_.surfacesAlong(segments, surfaces);
+        const Result<SurfacesAlong> surfaces = surfacesAlong(integrator_, segments);
+        if (!surfaces) return surfaces.error();
         std::size_t at = 0;
         for (std::size_t i = begin; i < end; ++i) {
             for (std::size_t point = 0; point < points.size(); ++point, at += 4) {
-                const auto* blocked = &surfaces[at];
+                const auto* blocked = &(*surfaces)[at];
                 if (blocked[0] && blocked[1] && blocked[2] && blocked[3]) continue;
                 for (std::size_t k = 0; k < 4; ++k)
                     if (blocked[k]) blind_[cells_[i][k]] = 1;
             }
         }
+        return {};
     }
 
     /// Of blind probes the longest edge of their tetrahedra, which no point that they light is farther away than.
@@ -113,7 +116,7 @@ private:
         return ranges;
     }
 
-    void addMaps(std::span<const uint32_t> probes, ProbeSight& sight) const
+    Status addMaps(std::span<const uint32_t> probes, ProbeSight& sight) const
     {
         const std::vector<vec2> places = placesOfRays();
         std::vector<Segment> segments;
@@ -125,15 +128,17 @@ private:
                 segments.push_back({from, from + sight.rangeMeters[probe] * direction});
             }
         }
-        std::vector<std::optional<vec2>> surfaces(segments.size());
-        integrator_.surfacesAlong(segments, surfaces);
+        const Result<SurfacesAlong> surfaces = surfacesAlong(integrator_, segments);
+        if (!surfaces) return surfaces.error();
         std::vector<float> nearness(segments.size(), 1.0f);
         for (std::size_t i = 0; i < segments.size(); ++i) {
-            if (!surfaces[i]) continue;
+            const std::optional<vec2>& surface = (*surfaces)[i];
+            if (!surface) continue;
             const float length = glm::distance(segments[i].from, segments[i].to);
-            nearness[i] = std::clamp(length / std::max(surfaces[i]->x, 1.0e-6f), 1.0f, kNearest);
+            nearness[i] = std::clamp(length / std::max(surface->x, 1.0e-6f), 1.0f, kNearest);
         }
         for (std::size_t i = 0; i < probes.size(); ++i) addMap(std::span(nearness).subspan(i * kRays, kRays), sight);
+        return {};
     }
 
     /// In cells of the map: its corners in rows, then places in cells.
@@ -185,7 +190,7 @@ private:
 
 } // namespace
 
-std::optional<ProbeSight> findProbeSight(const ProbeSet& set, const Integrator& integrator, const Progress& progress)
+Result<ProbeSight> findProbeSight(const ProbeSet& set, const Integrator& integrator, const Progress& progress)
 {
     if (set.probes.empty()) return ProbeSight{};
     return SightFinder(set, integrator).find(progress);

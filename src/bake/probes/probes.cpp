@@ -52,34 +52,34 @@ public:
     {
         return std::size_t(std::count_if(probes.begin(), probes.end(), [](const Probe& p) { return p.valid; }));
     }
-    /// Traces probes. False when cancelled, as the functions below.
-    bool trace(const std::vector<vec3>& positions, std::vector<ProbeEstimate>& estimates)
+    /// Traces probes.
+    Status trace(const std::vector<vec3>& positions, std::vector<ProbeEstimate>& estimates)
     {
         estimates.resize(positions.size());
-        return positions.empty() || cached_.probes(positions, estimates, batches_++, progress_);
+        return positions.empty() ? Status() : cached_.probes(positions, estimates, batches_++, progress_);
     }
-    bool add(const AddedProbes& added)
+    Status add(const AddedProbes& added)
     {
         std::vector<vec3> positions;
         for (const vec3 position : added.positions) positions.push_back(onProbeLattice(position, step_));
         std::vector<ProbeEstimate> estimates;
-        if (!trace(positions, estimates)) return false;
+        if (Status s = trace(positions, estimates); !s) return s;
         for (std::size_t i = 0; i < estimates.size(); ++i) {
             probes.push_back({positions[i], estimates[i].radiance, estimates[i].occlusion, estimates[i].valid});
             variances.push_back(estimates[i].variance);
         }
         sides.insert(sides.end(), added.sides.begin(), added.sides.end());
         links.insert(links.end(), added.links.begin(), added.links.end());
-        return true;
+        return {};
     }
-    bool add(const std::vector<vec3>& positions, vec3 cellSides)
+    Status add(const std::vector<vec3>& positions, vec3 cellSides)
     {
         return add(AddedProbes{positions, std::vector<vec3>(positions.size(), cellSides), {}});
     }
 
     /// Halves cells of the grid until their corners say what light is beside surfaces, or there are `most` probes, the
     /// largest cells first. Where no corner of the last cells sees a place, a probe is put there. Returns the cells.
-    bool findRooms(ProbeTree& tree, RoomSearch& search, std::size_t most, std::vector<ProbeTree::Cell>& leaves)
+    Status findRooms(ProbeTree& tree, RoomSearch& search, std::size_t most, std::vector<ProbeTree::Cell>& leaves)
     {
         AddedProbes lonely;
         const auto close = [&](const RoomCell& room, std::optional<uint32_t> unseen) {
@@ -90,7 +90,7 @@ public:
         std::vector<RoomCell> rooms = search.gridCells();
         while (!rooms.empty()) {
             const auto verdicts = search.judge(rooms, probes, progress_);
-            if (!verdicts) return false;
+            if (!verdicts) return verdicts.error();
             std::vector<RoomCell> parts;
             std::vector<ProbeTree::Cell> halved;
             AddedProbes added;
@@ -111,7 +111,7 @@ public:
                 std::move(halves.begin(), halves.end(), std::back_inserter(parts));
             }
             added.links.clear(); // those of the last cells follow
-            if (!add(added)) return false;
+            if (Status s = add(added); !s) return s;
             for (const ProbeTree::Cell& cell : halved) tree.takeSamples(cell, probes);
             rooms = std::move(parts);
         }
@@ -122,27 +122,28 @@ public:
     }
 
     /// Up to `most` valid probes in all.
-    bool refine(std::size_t most)
+    Status refine(std::size_t most)
     {
         most += probes.size() - validCount();
         std::vector<ProbeLink> level = links;
         for (int i = 0; i < kRefinements && !level.empty(); ++i) {
-            AddedProbes added = probesBetween(probes, sides, level, most, cached_.integrator);
-            if (!add(added)) return false;
-            level = std::move(added.links);
+            Result<AddedProbes> added = probesBetween(probes, sides, level, most, cached_.integrator);
+            if (!added) return added.error();
+            if (Status s = add(*added); !s) return s;
+            level = std::move(added->links);
         }
-        return true;
+        return {};
     }
 
     /// Adds up to `most` probes where shadow edges cross cells. `unresolved`: cells that would need more.
-    bool refineShadows(ProbeTree& tree, std::vector<ProbeTree::Cell> cells, std::size_t most,
-                       std::vector<ProbeTree::Cell>& unresolved)
+    Status refineShadows(ProbeTree& tree, std::vector<ProbeTree::Cell> cells, std::size_t most,
+                         std::vector<ProbeTree::Cell>& unresolved)
     {
         if (cells.size() > kMostProbes)
             std::erase_if(cells, [&](const ProbeTree::Cell& cell) { return !cornersDisagree(tree, cell); });
         std::size_t addedCount = 0;
         while (!cells.empty()) {
-            if (!sample(tree, cells)) return false;
+            if (Status s = sample(tree, cells); !s) return s;
             tree.keepWrong(cells);
             AddedProbes added;
             std::vector<ProbeTree::Cell> parts;
@@ -157,15 +158,19 @@ public:
             }
             addedCount += added.positions.size();
             cells = std::move(parts);
-            if (!add(added)) return false;
+            if (Status s = add(added); !s) return s;
         }
-        return true;
+        return {};
     }
 
-    bool addFloors(std::size_t most) { return add(probesOnFloors(probes, sides, most, cached_.integrator)); }
+    Status addFloors(std::size_t most)
+    {
+        const Result<AddedProbes> added = probesOnFloors(probes, sides, most, cached_.integrator);
+        return added ? add(*added) : Status(added.error());
+    }
 
     /// Traces noisy probes again, with more paths: beside a doorway, where few of them find light.
-    bool calm()
+    Status calm()
     {
         std::vector<std::size_t> noisy;
         for (std::size_t i = probes.size(); i-- > 0;) {
@@ -177,7 +182,7 @@ public:
         for (std::size_t run = 0; run < runs; ++run)
             for (const std::size_t i : noisy) positions.push_back(probes[i].position);
         std::vector<ProbeEstimate> estimates;
-        if (!trace(positions, estimates)) return false;
+        if (Status s = trace(positions, estimates); !s) return s;
         const float share = 1.0f / float(1 + runs);
         for (std::size_t n = 0; n < noisy.size(); ++n) {
             Probe& probe = probes[noisy[n]];
@@ -190,12 +195,12 @@ public:
             for (vec3& coefficient : probe.radiance) coefficient *= share;
             variance *= share * share;
         }
-        return true;
+        return {};
     }
 
 private:
     /// Occlusion at the points of the cells that have none, of few paths each.
-    bool sample(ProbeTree& tree, std::span<const ProbeTree::Cell> cells) const
+    Status sample(ProbeTree& tree, std::span<const ProbeTree::Cell> cells) const
     {
         const std::vector<ivec3> points = tree.unsampledPoints(cells);
         std::vector<vec3> positions;
@@ -203,10 +208,11 @@ private:
         for (const ivec3 point : points) positions.push_back(tree.positionOf(point));
         std::vector<ProbeEstimate> tests(points.size());
         const Progress quiet{{}, progress_.cancel};
-        if (!cached_.integrator.probes(positions, allIndices(points.size()), kTestPaths, tests, quiet)) return false;
+        const std::vector<uint32_t> all = allIndices(points.size());
+        if (Status s = cached_.integrator.probes(positions, all, kTestPaths, tests, quiet); !s) return s;
         for (std::size_t i = 0; i < points.size(); ++i)
             tree.at(points[i]) = {tests[i].occlusion, tests[i].valid, std::nullopt};
-        return true;
+        return {};
     }
     bool cornersDisagree(ProbeTree& tree, const ProbeTree::Cell& cell) const
     {
@@ -246,9 +252,9 @@ std::string shadowEdgeWarning(const ProbeTree& tree, std::span<const ProbeTree::
 
 } // namespace
 
-std::optional<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
-                                      const CachedIntegrator& cached, std::vector<std::string>& warnings,
-                                      const Progress& progress)
+Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
+                               const CachedIntegrator& cached, std::vector<std::string>& warnings,
+                               const Progress& progress)
 {
     Bounds box = scene.bounds(true);
     for (const vec3 position : scene.probePositions) box.extend(position);
@@ -258,28 +264,36 @@ std::optional<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, P
     set = probeGrid(scene, scene.probePositions.empty() ? spacingMeters : 0.0f, warnings);
     const float reach = set.probes.empty() ? 0.0f : std::min(kFinestMeters, shortestSide(set.spacingMeters));
     std::vector<Place> places;
-    if (!set.probes.empty()) places = placesBesideSurfaces(scene.bounds(true), reach, cached.integrator);
+    if (!set.probes.empty()) {
+        Result<std::vector<Place>> found = placesBesideSurfaces(scene.bounds(true), reach, cached.integrator);
+        if (!found) return found.error();
+        places = std::move(*found);
+    }
     std::vector<vec3> checked;
     for (const Place& place : places) checked.push_back(place.position);
-    const auto finish = [&](std::vector<Probe> probes, const std::vector<vec3>& between) {
+    const auto finish = [&](std::vector<Probe> probes, const std::vector<vec3>& between) -> Result<BakedProbes> {
         set.probes = std::move(probes);
         result.checkedAt = spreadOver(between, set.probes.size());
-        return bake.trace(result.checkedAt, result.checks) ? std::optional(std::move(result)) : std::nullopt;
+        if (Status s = bake.trace(result.checkedAt, result.checks); !s) return s.error();
+        return std::move(result);
     };
     if (!scene.probePositions.empty()) {
         // Positions of the author: all are kept, in their order.
-        if (!bake.add(scene.probePositions, vec3(0.0f))) return std::nullopt;
+        if (Status s = bake.add(scene.probePositions, vec3(0.0f)); !s) return s.error();
         set = {};
         return finish(std::move(bake.probes), checked);
     }
     if (set.probes.empty()) return result;
     std::vector<vec3> positions;
     for (const Probe& probe : set.probes) positions.push_back(probe.position);
-    if (!bake.add(positions, set.spacingMeters)) return std::nullopt;
+    if (Status s = bake.add(positions, set.spacingMeters); !s) return s.error();
     ProbeTree tree(set, bake.probes);
 
     if (layout == ProbeLayout::Grid) {
-        if (denoise) denoiseProbes(bake.probes, bake.variances, tree.linksOf(tree.gridCells()), cached.integrator);
+        if (denoise) {
+            const std::vector<ProbeLink> links = tree.linksOf(tree.gridCells());
+            if (Status s = denoiseProbes(bake.probes, bake.variances, links, cached.integrator); !s) return s.error();
+        }
         set.probes = std::move(bake.probes);
         fillInvalidProbes(set);
         return finish(std::move(set.probes), checked);
@@ -290,22 +304,25 @@ std::optional<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, P
     const std::size_t limit = bounded ? kMostProbes : 2 * (kGrowth + kShadowGrowth) * (gridCount + kMostProbes);
     std::vector<ProbeTree::Cell> cells;
     RoomSearch search(tree, std::move(places), reach, cached.integrator);
-    if (!bake.findRooms(tree, search, std::max(std::min(limit, gridCount + kMostProbes) / 16 * 10, gridCount), cells))
-        return std::nullopt;
+    const std::size_t most = std::max(std::min(limit, gridCount + kMostProbes) / 16 * 10, gridCount);
+    if (Status s = bake.findRooms(tree, search, most, cells); !s) return s.error();
     const std::size_t rooms = bake.probes.size();
-    if (!bake.refine(std::min(rooms + (kGrowth - 1) * std::max(gridCount, rooms / 2), limit / 16 * 13)))
-        return std::nullopt;
+    const std::size_t refined = std::min(rooms + (kGrowth - 1) * std::max(gridCount, rooms / 2), limit / 16 * 13);
+    if (Status s = bake.refine(refined); !s) return s.error();
     std::vector<ProbeTree::Cell> unresolved;
     const bool masked = std::any_of(scene.lights.begin(), scene.lights.end(),
                                     [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; });
     const std::size_t left = limit / 16 * 15 - std::min(limit / 16 * 15, bake.validCount());
-    if (masked &&
-        !bake.refineShadows(tree, cells, std::min(std::max(kShadowGrowth * gridCount, rooms), left), unresolved))
-        return std::nullopt;
+    if (masked) {
+        const std::size_t added = std::min(std::max(kShadowGrowth * gridCount, rooms), left);
+        if (Status s = bake.refineShadows(tree, cells, added, unresolved); !s) return s.error();
+    }
     if (!unresolved.empty()) warnings.push_back(shadowEdgeWarning(tree, unresolved));
-    if (!bake.addFloors(bake.probes.size() + limit - std::min(limit, bake.validCount()))) return std::nullopt;
-    if (!bake.calm()) return std::nullopt;
-    if (denoise) denoiseProbes(bake.probes, bake.variances, bake.links, cached.integrator);
+    const std::size_t withFloors = bake.probes.size() + limit - std::min(limit, bake.validCount());
+    if (Status s = bake.addFloors(withFloors); !s) return s.error();
+    if (Status s = bake.calm(); !s) return s.error();
+    if (denoise)
+        if (Status s = denoiseProbes(bake.probes, bake.variances, bake.links, cached.integrator); !s) return s.error();
     float shortest = kInfinity;
     for (const vec3 sides : bake.sides) shortest = std::min(shortest, shortestSide(sides));
     removeSuperfluous(bake.probes, kSamePlaceShare * shortest);

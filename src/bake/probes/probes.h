@@ -19,8 +19,8 @@ ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::str
 /// that trilinear interpolation darkens nothing beside walls. They stay marked as invalid.
 void fillInvalidProbes(ProbeSet& grid);
 
-/// How far probes see (ProbeSight), so that interpolation leaves out those behind a wall. Nothing when cancelled.
-std::optional<ProbeSight> findProbeSight(const ProbeSet& set, const Integrator& integrator, const Progress& progress);
+/// How far probes see (ProbeSight), so that interpolation leaves out those behind a wall.
+Result<ProbeSight> findProbeSight(const ProbeSet& set, const Integrator& integrator, const Progress& progress);
 
 /// Probes, and check probes: estimates between them, which are not kept.
 struct BakedProbes {
@@ -29,10 +29,10 @@ struct BakedProbes {
     std::vector<ProbeEstimate> checks; ///< by place; some are inside geometry
 };
 /// The probes (spec S14): those at the scene's own positions, with invalid ones marked; or, without positions, a grid
-/// as `layout` says. Nothing when cancelled.
-std::optional<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
-                                      const CachedIntegrator& cached, std::vector<std::string>& warnings,
-                                      const Progress& progress);
+/// as `layout` says.
+Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
+                               const CachedIntegrator& cached, std::vector<std::string>& warnings,
+                               const Progress& progress);
 /// How far the light of the finished probes is off between them. `baked` has the probes, with what they see. Adds a
 /// warning that names places where it is off by more than ProbeCheck::kOff.
 ProbeCheck checkProbes(const BakedScene& baked, const BakedProbes& probes, std::vector<std::string>& warnings);

@@ -1,6 +1,7 @@
 // Where reflection probes are taken, and the boxes around them.
 
 #include "bake/geometry/hash_grid.h"
+#include "bake/geometry/surfaces_along.h"
 #include "bake/reflections/reflections.h"
 #include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
@@ -64,17 +65,17 @@ std::vector<vec3> placesOf(std::span<const Probe> lightProbes, float sceneSizeMe
 }
 
 /// Distances to the surroundings of every place, in each direction; `far` where there is nothing.
-std::vector<std::vector<float>> distancesAround(std::span<const vec3> places, std::span<const vec3> directions,
-                                                const Integrator& integrator, float far)
+Result<std::vector<std::vector<float>>> distancesAround(std::span<const vec3> places, std::span<const vec3> directions,
+                                                        const Integrator& integrator, float far)
 {
     std::vector<Segment> segments;
     for (const vec3 place : places)
         for (const vec3 direction : directions) segments.push_back({place, place + direction * far});
-    std::vector<std::optional<vec2>> hits(segments.size());
-    integrator.surfacesAlong(segments, hits);
+    const Result<SurfacesAlong> hits = surfacesAlong(integrator, segments);
+    if (!hits) return hits.error();
     std::vector<std::vector<float>> result(places.size());
     for (std::size_t i = 0; i < segments.size(); ++i)
-        result[i / directions.size()].push_back(hits[i] ? hits[i]->x : far);
+        result[i / directions.size()].push_back((*hits)[i] ? (*hits)[i]->x : far);
     return result;
 }
 
@@ -284,15 +285,15 @@ float misfitAt(vec3 place, std::span<const vec3> directions, std::span<const flo
 
 /// How well a probe at each place serves each other one, 0…1: as far as its box predicts what surrounds that place, and
 /// by its quality; 0 where it does not see it.
-std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidates, std::span<const vec3> directions,
-                                            const Integrator& integrator)
+Result<std::vector<std::vector<float>>> usesBetween(std::span<const Candidate> candidates,
+                                                    std::span<const vec3> directions, const Integrator& integrator)
 {
     const std::size_t count = candidates.size();
     std::vector<Segment> segments;
     for (const Candidate& from : candidates)
         for (const Candidate& to : candidates) segments.push_back({from.probe.position, to.probe.position});
-    std::vector<std::optional<vec2>> hits(segments.size());
-    integrator.surfacesAlong(segments, hits);
+    const Result<SurfacesAlong> hits = surfacesAlong(integrator, segments);
+    if (!hits) return hits.error();
     std::vector<std::vector<float>> uses(count, std::vector<float>(count, 0.0f));
     parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -300,7 +301,7 @@ std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidate
             std::vector<vec3> inBox;
             for (const vec3 direction : directions) inBox.push_back(mat3(boxFromWorld) * direction);
             for (std::size_t k = 0; k < count; ++k) {
-                if (hits[i * count + k]) continue;
+                if ((*hits)[i * count + k]) continue;
                 const Candidate& to = candidates[k];
                 const vec3 place(boxFromWorld * vec4(to.probe.position, 1.0f));
                 const float error = misfitAt(place, inBox, to.distances);
@@ -313,13 +314,15 @@ std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidate
 
 } // namespace
 
-std::vector<ReflectionProbe> proposeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
-                                                float sceneSizeMeters)
+Result<std::vector<ReflectionProbe>> proposeReflections(std::span<const Probe> lightProbes,
+                                                        const Integrator& integrator, float sceneSizeMeters)
 {
     std::vector<vec3> places = placesOf(lightProbes, sceneSizeMeters, kMostProposed);
     const float far = kFarShare * sceneSizeMeters;
     const std::vector<vec3> directions = evenDirections();
-    std::vector<std::vector<float>> distances = distancesAround(places, directions, integrator, far);
+    Result<std::vector<std::vector<float>>> around = distancesAround(places, directions, integrator, far);
+    if (!around) return around.error();
+    std::vector<std::vector<float>>& distances = *around;
     keepSurrounded(places, distances, far);
     std::vector<ReflectionProbe> probes(places.size());
     parallelFor(places.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -332,14 +335,16 @@ std::vector<ReflectionProbe> proposeReflections(std::span<const Probe> lightProb
     return probes;
 }
 
-std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
-                                              float sceneSizeMeters)
+Result<std::vector<ReflectionProbe>> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
+                                                      float sceneSizeMeters)
 {
     std::vector<vec3> places = placesOf(lightProbes, sceneSizeMeters, kMostPlaces);
-    if (places.empty()) return {};
+    if (places.empty()) return std::vector<ReflectionProbe>();
     const float far = kFarShare * sceneSizeMeters;
     const std::vector<vec3> directions = evenDirections();
-    std::vector<std::vector<float>> distances = distancesAround(places, directions, integrator, far);
+    Result<std::vector<std::vector<float>>> around = distancesAround(places, directions, integrator, far);
+    if (!around) return around.error();
+    std::vector<std::vector<float>>& distances = *around;
     keepSurrounded(places, distances, far);
     std::vector<Candidate> candidates(places.size());
     parallelFor(places.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -349,8 +354,9 @@ std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes
     std::vector<ReflectionProbe> all;
     for (const Candidate& candidate : candidates) all.push_back(candidate.probe);
     std::vector<ReflectionProbe> probes;
-    for (const std::size_t i : chooseReflections(all, usesBetween(candidates, directions, integrator)))
-        probes.push_back(all[i]);
+    Result<std::vector<std::vector<float>>> uses = usesBetween(candidates, directions, integrator);
+    if (!uses) return uses.error();
+    for (const std::size_t i : chooseReflections(all, std::move(*uses))) probes.push_back(all[i]);
     return probes;
 }
 

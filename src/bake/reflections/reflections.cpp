@@ -49,18 +49,19 @@ public:
           sceneSize_(glm::length(baked.scene.bounds(true).size()))
     {}
 
-    bool run(int size, std::vector<std::string>& warnings)
+    Status run(int size, std::vector<std::string>& warnings)
     {
         auto points = specularPoints(cached_, {lightmap_, baked_.lightmapDirections}, sceneSize_, progress_);
-        if (!points) return false;
+        if (!points) return points.error();
         std::vector<ReflectionProbe> probes = authoredProbes(baked_.scene, warnings);
         for (ReflectionProbe& probe : probes) probe.fadeMeters = reflectionFade(probe.worldFromBox, sceneSize_);
-        if (probes.empty() && !place(*points, probes)) return false;
-        if (probes.empty()) return true;
+        if (probes.empty())
+            if (Status s = place(*points, probes); !s) return s;
+        if (probes.empty()) return {};
         ReflectionSet set;
         set.size = tileSize(size, probes.size());
         std::vector<ImageRgb32f> tiles;
-        if (!takePictures(probes, set.size, kManyRays, tiles)) return false;
+        if (Status s = takePictures(probes, set.size, kManyRays, tiles); !s) return s;
         const int height = shading::reflectionTileHeight(set.size);
         ImageRgb32f picture(set.size, height * int(probes.size()));
         for (std::size_t i = 0; i < tiles.size(); ++i)
@@ -71,7 +72,7 @@ public:
         set.picture = encodeRgb9e5(picture, set.unitNits);
         set.probes = std::move(probes);
         baked_.reflections = std::move(set);
-        return true;
+        return {};
     }
 
 private:
@@ -91,19 +92,22 @@ private:
     }
     /// Where probes change nothing on lightmapped surfaces, or would make none of them better, geometry alone places
     /// them, for what moves among those; but not where they are worse off with them.
-    bool place(std::span<const SpecularPoint> points, std::vector<ReflectionProbe>& probes)
+    Status place(std::span<const SpecularPoint> points, std::vector<ReflectionProbe>& probes)
     {
-        std::vector<ReflectionProbe> placed = placeReflections(baked_.probes.probes, cached_.integrator, sceneSize_);
+        Result<std::vector<ReflectionProbe>> placed =
+            placeReflections(baked_.probes.probes, cached_.integrator, sceneSize_);
+        if (!placed) return placed.error();
         if (std::none_of(points.begin(), points.end(), [](const SpecularPoint& p) { return p.reflectsProbes(); })) {
-            probes = std::move(placed);
-            return true;
+            probes = std::move(*placed);
+            return {};
         }
-        std::vector<ReflectionProbe> candidates = placed;
-        const std::vector<ReflectionProbe> local =
+        std::vector<ReflectionProbe> candidates = *placed;
+        const Result<std::vector<ReflectionProbe>> local =
             proposeReflections(baked_.probes.probes, cached_.integrator, sceneSize_);
-        candidates.insert(candidates.end(), local.begin(), local.end());
+        if (!local) return local.error();
+        candidates.insert(candidates.end(), local->begin(), local->end());
         std::vector<ImageRgb32f> tiles;
-        if (!takePictures(candidates, kSmallTile, kFewRays, tiles)) return false;
+        if (Status s = takePictures(candidates, kSmallTile, kFewRays, tiles); !s) return s;
         const std::vector<ReflectionPicture> all = picturesOf(candidates, tiles);
         std::vector<ReflectionPicture> bounded;
         std::copy_if(all.begin(), all.end(), std::back_inserter(bounded), [&](const ReflectionPicture& picture) {
@@ -111,19 +115,20 @@ private:
         });
         const bool trusting = !baked_.lightmapDirections.empty();
         probes = chooseByGain(points, bounded, trusting);
-        if (probes.empty() && !areWorseWith(points, std::span(all).first(placed.size()), trusting))
-            probes = std::move(placed);
-        return true;
+        if (probes.empty() && !areWorseWith(points, std::span(all).first(placed->size()), trusting))
+            probes = std::move(*placed);
+        return {};
     }
-    bool takePictures(std::span<const ReflectionProbe> probes, int size, int rays, std::vector<ImageRgb32f>& tiles)
+    Status takePictures(std::span<const ReflectionProbe> probes, int size, int rays, std::vector<ImageRgb32f>& tiles)
     {
         for (const ReflectionProbe& probe : probes) {
             ImageRgb32f around(size - 2, size - 2);
-            if (!cached_.integrator.radianceAround(probe.position, lightmap_, rays, around, progress_)) return false;
+            if (Status s = cached_.integrator.radianceAround(probe.position, lightmap_, rays, around, progress_); !s)
+                return s;
             tiles.push_back(reflectionTile(around));
             progress_("reflection probes", double(tiles.size()) / double(probes.size()));
         }
-        return true;
+        return {};
     }
 
     BakedScene& baked_;
@@ -141,8 +146,8 @@ float reflectionFade(const mat4& worldFromBox, float sceneSizeMeters)
     return kFadeShare * std::min(diagonalOf(worldFromBox), sceneSizeMeters);
 }
 
-bool bakeReflections(BakedScene& baked, const CachedIntegrator& cached, std::span<const ImageRgb32f> lightmap, int size,
-                     std::vector<std::string>& warnings, const Progress& progress)
+Status bakeReflections(BakedScene& baked, const CachedIntegrator& cached, std::span<const ImageRgb32f> lightmap,
+                       int size, std::vector<std::string>& warnings, const Progress& progress)
 {
     progress("reflection probes", 0.0);
     return ReflectionStage(baked, cached, lightmap, progress).run(size, warnings);

@@ -14,13 +14,13 @@ struct CachedIntegrator;
 
 /// Reflection probes where people look: the fewest places from which nearly all light probes are seen. Each has the box
 /// that predicts best how far its surroundings are. Small boxes come first.
-std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
-                                              float sceneSizeMeters);
+Result<std::vector<ReflectionProbe>> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
+                                                      float sceneSizeMeters);
 
 /// Reflection probes at places all over the scene. The box of each is that of its own surroundings, which ends nearby
 /// where the place is open.
-std::vector<ReflectionProbe> proposeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
-                                                float sceneSizeMeters);
+Result<std::vector<ReflectionProbe>> proposeReflections(std::span<const Probe> lightProbes,
+                                                        const Integrator& integrator, float sceneSizeMeters);
 
 /// Which of the probes to keep, small boxes first. `uses`: by probe and place of a probe, 0…1, how well the one serves
 /// the other.
@@ -36,8 +36,8 @@ ImageRgb32f reflectionTile(const ImageRgb32f& around);
 
 /// Reflection probes at the scene's own boxes, or where they bring what lightmapped surfaces reflect nearest to the
 /// truth; none in a scene without light probes. `lightmap`: irradiance by page, lux. Writes how far texels trust the
-/// probes into lightmapDirections. `size`: of a tile, if probes are few. False when cancelled.
-bool bakeReflections(BakedScene& baked, const CachedIntegrator& cached, std::span<const ImageRgb32f> lightmap, int size,
-                     std::vector<std::string>& warnings, const Progress& progress);
+/// probes into lightmapDirections. `size`: of a tile, if probes are few.
+Status bakeReflections(BakedScene& baked, const CachedIntegrator& cached, std::span<const ImageRgb32f> lightmap,
+                       int size, std::vector<std::string>& warnings, const Progress& progress);
 
 } // namespace halflight

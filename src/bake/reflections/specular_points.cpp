@@ -1,5 +1,7 @@
 #include "bake/reflections/specular_points.h"
 
+#include "bake/geometry/surfaces_along.h"
+
 #include "halflight/base/mathematics.h"
 #include "halflight/base/random.h"
 #include "halflight/shading/directional.h"
@@ -97,8 +99,8 @@ struct LightmapLight {
 
 } // namespace
 
-std::optional<std::vector<SpecularPoint>> specularPoints(const CachedIntegrator& cached, const LightmapPages& pages,
-                                                         float sceneSizeMeters, const Progress& progress)
+Result<std::vector<SpecularPoint>> specularPoints(const CachedIntegrator& cached, const LightmapPages& pages,
+                                                  float sceneSizeMeters, const Progress& progress)
 {
     const std::vector<ChosenTexel> chosen = spreadTexels(cached);
     std::vector<SurfacePoint> points;
@@ -112,10 +114,10 @@ std::optional<std::vector<SpecularPoint>> specularPoints(const CachedIntegrator&
             ways.push_back({start, start + view * (kFreeShare * sceneSizeMeters)});
         }
     }
-    std::vector<std::optional<vec2>> hits(ways.size());
-    cached.integrator.surfacesAlong(ways, hits);
+    const Result<SurfacesAlong> hits = surfacesAlong(cached.integrator, ways);
+    if (!hits) return hits.error();
     std::vector<SpecularEstimate> estimates(points.size());
-    if (!cached.integrator.specularLight(points, views, estimates, progress)) return std::nullopt;
+    if (Status s = cached.integrator.specularLight(points, views, estimates, progress); !s) return s.error();
     std::vector<SpecularPoint> result;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const LightmapLight light(pages, *chosen[i].texel);
@@ -123,7 +125,7 @@ std::optional<std::vector<SpecularPoint>> specularPoints(const CachedIntegrator&
             points[i].position, points[i].normal, estimates[i].roughness, luminance(light.irradiance) / kPi, {}};
         for (std::size_t v = 0; v < kViews; ++v) {
             const vec3 view = views[i * kViews + v];
-            if (hits[i * kViews + v] || glm::dot(view, points[i].geometricNormal) <= 0.0f) continue;
+            if ((*hits)[i * kViews + v] || glm::dot(view, points[i].geometricNormal) <= 0.0f) continue;
             point.views.push_back(light.seen(estimates[i], points[i].normal, view));
             point.views.back().truth = luminance(estimates[i].radiance[v]);
         }

@@ -41,9 +41,9 @@ struct LightmapPages {
 };
 
 /// Points spread evenly over all texels, and the mean of what they send to views, which is their error's unit. Points
-/// without a free view are left out. Nothing when cancelled.
-std::optional<std::vector<SpecularPoint>> specularPoints(const CachedIntegrator& cached, const LightmapPages& pages,
-                                                         float sceneSizeMeters, const Progress& progress);
+/// without a free view are left out.
+Result<std::vector<SpecularPoint>> specularPoints(const CachedIntegrator& cached, const LightmapPages& pages,
+                                                  float sceneSizeMeters, const Progress& progress);
 
 /// How far what points send to a view is off, 0…1: the square of the difference over the sum.
 class SpecularError {

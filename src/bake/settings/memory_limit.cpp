@@ -23,10 +23,8 @@ double gigabytes(uint64_t bytes)
 uint64_t trianglesOf(const Scene& scene)
 {
     uint64_t count = 0;
-    for (const Object& object : scene.objects) {
-        if (object.mesh < 0) continue;
-        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) count += part.indices.size() / 3;
-    }
+    for (const Object& object : scene.objects)
+        if (object.mesh >= 0) count += scene.meshes[std::size_t(object.mesh)].triangleCount();
     return count;
 }
 

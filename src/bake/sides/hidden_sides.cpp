@@ -1,5 +1,6 @@
 #include "bake/sides/hidden_sides.h"
 
+#include "bake/geometry/surfaces_along.h"
 #include "bake/seams/seams.h"
 
 #include "unwrap/cuts/crossing_points.h"
@@ -15,16 +16,9 @@ bool isBlocked(const std::optional<vec2>& surfaces)
     return surfaces.has_value();
 }
 
-std::vector<std::optional<vec2>> surfacesAlong(const Integrator& integrator, const std::vector<Segment>& segments)
-{
-    std::vector<std::optional<vec2>> surfaces(segments.size());
-    integrator.surfacesAlong(segments, surfaces);
-    return surfaces;
-}
-
 /// By point of pointsAround(), 1 where the surface goes on below it, and it lies outside geometry.
-std::vector<uint8_t> findOpen(const Integrator& integrator, const std::vector<uint32_t>& firstTriangle,
-                              std::span<const CrossingPoint> crossings)
+Result<std::vector<uint8_t>> findOpen(const Integrator& integrator, const std::vector<uint32_t>& firstTriangle,
+                                      std::span<const CrossingPoint> crossings)
 {
     std::vector<SurfacePoint> points;
     std::vector<Segment> down;
@@ -37,10 +31,11 @@ std::vector<uint8_t> findOpen(const Integrator& integrator, const std::vector<ui
         }
     }
     // One ray tells whether there is surface below; whether a point lies outside takes many.
-    const std::vector<std::optional<vec2>> below = surfacesAlong(integrator, down);
+    const Result<SurfacesAlong> below = surfacesAlong(integrator, down);
+    if (!below) return below.error();
     std::vector<uint8_t> open(points.size(), 0);
-    for (std::size_t i = 0; i < points.size(); ++i) open[i] = isBlocked(below[i]) ? 1 : 0;
-    integrator.findValidPoints(points, open);
+    for (std::size_t i = 0; i < points.size(); ++i) open[i] = isBlocked((*below)[i]) ? 1 : 0;
+    if (Status s = integrator.findValidPoints(points, open); !s) return s.error();
     return open;
 }
 
@@ -78,46 +73,62 @@ std::vector<uint32_t> firstTriangles(const Scene& scene, const BakeGeometry& geo
     return first;
 }
 
+/// By crossing, 1 where a surface hides its sides from one another.
+Result<std::vector<uint8_t>> findHidden(const Integrator& integrator, const std::vector<uint32_t>& firstTriangle,
+                                        std::span<const CrossingPoint> crossings)
+{
+    const Result<std::vector<uint8_t>> open = findOpen(integrator, firstTriangle, crossings);
+    if (!open) return open.error();
+    const SightLines lines = sightLines(crossings, *open);
+    const Result<SurfacesAlong> low = surfacesAlong(integrator, lines.low);
+    if (!low) return low.error();
+    // Only where a low line is blocked, a high one is asked for: what is in the way may be an edge.
+    std::vector<Segment> high;
+    std::vector<std::size_t> ofHigh;
+    for (std::size_t i = 0; i < lines.low.size(); ++i) {
+        if (!isBlocked((*low)[i])) continue;
+        const CrossingPoint& crossing = crossings[lines.ofCrossing[i]];
+        const vec3 up = kHiddenHeight * crossing.texelMeters * crossing.rise;
+        high.push_back({lines.low[i].from + up, lines.low[i].to + up});
+        ofHigh.push_back(lines.ofCrossing[i]);
+    }
+    const Result<SurfacesAlong> blocked = surfacesAlong(integrator, high);
+    if (!blocked) return blocked.error();
+    std::vector<uint8_t> hidden(crossings.size(), 0);
+    for (std::size_t i = 0; i < high.size(); ++i)
+        if (isBlocked((*blocked)[i])) hidden[ofHigh[i]] = 1;
+    return hidden;
+}
+
 } // namespace
 
 CrossingTest hiddenSidesTest(SourceTree& tree)
 {
     return [&tree](const Scene& scene, std::span<const CrossingPoint> crossings) {
-        std::vector<uint8_t> hidden(crossings.size(), 0);
+        std::vector<uint8_t> none(crossings.size(), 0);
         const Integrator* integrator = tree.integratorOf(scene);
-        if (integrator == nullptr) return hidden;
-        const std::vector<uint8_t> open =
-            findOpen(*integrator, firstTriangles(scene, tree.geometryOf(scene)), crossings);
-        const SightLines lines = sightLines(crossings, open);
-        const std::vector<std::optional<vec2>> low = surfacesAlong(*integrator, lines.low);
-        // Only where a low line is blocked, a high one is asked for: what is in the way may be an edge.
-        std::vector<Segment> high;
-        std::vector<std::size_t> ofHigh;
-        for (std::size_t i = 0; i < lines.low.size(); ++i) {
-            if (!isBlocked(low[i])) continue;
-            const CrossingPoint& crossing = crossings[lines.ofCrossing[i]];
-            const vec3 up = kHiddenHeight * crossing.texelMeters * crossing.rise;
-            high.push_back({lines.low[i].from + up, lines.low[i].to + up});
-            ofHigh.push_back(lines.ofCrossing[i]);
-        }
-        const std::vector<std::optional<vec2>> blocked = surfacesAlong(*integrator, high);
-        for (std::size_t i = 0; i < high.size(); ++i)
-            if (isBlocked(blocked[i])) hidden[ofHigh[i]] = 1;
-        return hidden;
+        if (integrator == nullptr) return none;
+        Result<std::vector<uint8_t>> hidden =
+            findHidden(*integrator, firstTriangles(scene, tree.geometryOf(scene)), crossings);
+        if (hidden) return std::move(*hidden);
+        tree.fail(hidden.error());
+        return none;
     };
 }
 
-void dropHiddenSeams(const Integrator& integrator, std::vector<SeamSample>& seams)
+Status dropHiddenSeams(const Integrator& integrator, std::vector<SeamSample>& seams)
 {
     std::vector<Segment> sight;
     sight.reserve(seams.size());
     for (const SeamSample& seam : seams) sight.push_back(seam.sight);
-    const std::vector<std::optional<vec2>> surfaces = surfacesAlong(integrator, sight);
+    const Result<SurfacesAlong> surfaces = surfacesAlong(integrator, sight);
+    if (!surfaces) return surfaces.error();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < seams.size(); ++i) {
-        if (!isBlocked(surfaces[i])) seams[kept++] = seams[i];
+        if (!isBlocked((*surfaces)[i])) seams[kept++] = seams[i];
     }
     seams.resize(kept);
+    return {};
 }
 
 } // namespace halflight

@@ -11,6 +11,6 @@ namespace halflight {
 CrossingTest hiddenSidesTest(SourceTree& tree);
 
 /// Takes away seam samples whose sides a surface hides from one another, so that nothing mixes their light.
-void dropHiddenSeams(const Integrator& integrator, std::vector<SeamSample>& seams);
+Status dropHiddenSeams(const Integrator& integrator, std::vector<SeamSample>& seams);
 
 } // namespace halflight

@@ -288,8 +288,8 @@ public:
         for (const Sheet& sheet : sheets) points_.push_back(pointsOf(geometry, sheet));
     }
 
-    /// The texels by sheet; nothing when cancelled.
-    std::optional<std::vector<SheetTexels>> decide()
+    /// The texels by sheet.
+    Result<std::vector<SheetTexels>> decide()
     {
         std::vector<SheetTexels> texels(sheets_.size(), SheetTexels::Front);
         std::vector<VisibleSides> visible(sheets_.size());
@@ -299,7 +299,7 @@ public:
             visible[i].add(walks);
             return isLast || visible[i].isClear();
         };
-        if (!inRounds(open, {0, kWalks, 1}, isSettled)) return std::nullopt;
+        if (Status status = inRounds(open, {0, kWalks, 1}, isSettled); !status) return status.error();
         for (std::size_t i = 0; i < sheets_.size(); ++i) {
             const bool isLeaf = sheets_[i].areaTexels < kLeastTexels && sheets_[i].twoSided != TwoSided::On;
             const bool back = visible[i].isVisible(1);
@@ -315,7 +315,7 @@ public:
             if (found) texels[i] = *found;
             return found.has_value();
         };
-        if (!inRounds(open, {kPaths, 0, 2}, isDecided)) return std::nullopt;
+        if (Status status = inRounds(open, {kPaths, 0, 2}, isDecided); !status) return status.error();
         return texels;
     }
 
@@ -329,8 +329,9 @@ private:
     };
 
     /// Estimates of more and more points of the open sheets, until isDone(sheet, estimates, isLast) has closed all:
-    /// all further points of the sheet in a row, of each estimate. False when cancelled.
-    template<typename IsDone> bool inRounds(std::vector<std::size_t>& open, const Effort& effort, const IsDone& isDone)
+    /// all further points of the sheet in a row, of each estimate.
+    template<typename IsDone>
+    Status inRounds(std::vector<std::size_t>& open, const Effort& effort, const IsDone& isDone)
     {
         for (int first = 0, end = kFirstPoints; !open.empty(); first = end, end *= 2) {
             std::vector<SurfacePoint> points;
@@ -338,7 +339,8 @@ private:
                 for (int estimate = 0; estimate < effort.estimates; ++estimate) addPoints(i, first, end, points);
             }
             std::vector<SideEstimate> estimates(points.size());
-            if (!integrator_.sides(points, eyes_, effort.paths, effort.walks, estimates, progress_)) return false;
+            Status status = integrator_.sides(points, eyes_, effort.paths, effort.walks, estimates, progress_);
+            if (!status) return status;
             std::size_t next = 0;
             std::erase_if(open, [&](std::size_t i) {
                 const int most = sheets_[i].points;
@@ -347,7 +349,7 @@ private:
                 return isDone(i, std::span(estimates).subspan(next - count, count), end >= most);
             });
         }
-        return true;
+        return {};
     }
     void addPoints(std::size_t sheet, int first, int end, std::vector<SurfacePoint>& points) const
     {
@@ -377,8 +379,12 @@ SheetTest sheetSidesTest(SourceTree& tree, TwoSided mode, const Progress& progre
         Integrator* integrator = tree.integratorOf(scene);
         if (integrator == nullptr) return none;
         const std::vector<vec3> eyes = lightAndViewPoints(scene);
-        const auto texels = SheetSides(*integrator, geometry, sheets, eyes, progress).decide();
-        if (!texels) return none;
+        const Result<std::vector<SheetTexels>> texels =
+            SheetSides(*integrator, geometry, sheets, eyes, progress).decide();
+        if (!texels) {
+            tree.fail(texels.error());
+            return none;
+        }
         MeshTexels meshes(scene, geometry);
         for (std::size_t i = 0; i < sheets.size(); ++i) meshes.add(sheets[i], (*texels)[i]);
         return meshes.take();

@@ -118,15 +118,16 @@ void EmbreeKernels::nearestOfPacket(std::span<const Ray> rays, std::span<RayHit>
     }
 }
 
-void EmbreeKernels::nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use) const
+Status EmbreeKernels::nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use) const
 {
     if (rays.size() == 1 || use == RayUse::Camera) {
         for (std::size_t i = 0; i < rays.size(); ++i) out[i] = nearest(rays[i], use);
-        return;
+        return {};
     }
     forPackets(rays.size(), [&](std::size_t first, std::size_t count) {
         nearestOfPacket(rays.subspan(first, count), out.subspan(first, count));
     });
+    return {};
 }
 
 bool EmbreeKernels::occluded(const Ray& from, embree::RayContext& context) const
@@ -137,12 +138,12 @@ bool EmbreeKernels::occluded(const Ray& from, embree::RayContext& context) const
     return ray.tfar < 0.0f;
 }
 
-void EmbreeKernels::occluded(std::span<const Ray> rays, std::span<bool> out) const
+Status EmbreeKernels::occluded(std::span<const Ray> rays, std::span<bool> out) const
 {
     embree::RayContext context(false);
     if (rays.size() == 1) {
         out[0] = occluded(rays[0], context);
-        return;
+        return {};
     }
     forPackets(rays.size(), [&](std::size_t first, std::size_t count) {
         RTCRay8 packet;
@@ -150,16 +151,17 @@ void EmbreeKernels::occluded(std::span<const Ray> rays, std::span<bool> out) con
         embree::occluded8(tree_, context, valid, packet, packets_);
         for (std::size_t i = 0; i < count; ++i) out[first + i] = valid.lane[i] != 0 && packet.tfar[i] < 0.0f;
     });
+    return {};
 }
 
-void EmbreeKernels::transmittance(std::span<const Ray> rays, std::span<float> out) const
+Status EmbreeKernels::transmittance(std::span<const Ray> rays, std::span<float> out) const
 {
     if (rays.size() == 1) {
         embree::BlendedTransmittance blended;
         embree::RayContext context(false);
         if (scene_.anyBlended()) context.blended = &blended;
         out[0] = occluded(rays[0], context) ? 0.0f : blended.transmittance;
-        return;
+        return {};
     }
     forPackets(rays.size(), [&](std::size_t first, std::size_t count) {
         std::array<embree::BlendedTransmittance, embree::kPacket> blended;
@@ -174,9 +176,10 @@ void EmbreeKernels::transmittance(std::span<const Ray> rays, std::span<float> ou
             out[first + i] = hidden ? 0.0f : blended[i].transmittance;
         }
     });
+    return {};
 }
 
-void EmbreeKernels::crossings(std::span<const Ray> rays, std::span<int> out) const
+Status EmbreeKernels::crossings(std::span<const Ray> rays, std::span<int> out) const
 {
     for (std::size_t i = 0; i < rays.size(); ++i) {
         embree::SolidsPassed solids;
@@ -186,6 +189,7 @@ void EmbreeKernels::crossings(std::span<const Ray> rays, std::span<int> out) con
         if (!rays[i].meetsNothing()) embree::occluded(tree_, context, ray, countSolids);
         out[i] = solids.left;
     }
+    return {};
 }
 
 } // namespace halflight

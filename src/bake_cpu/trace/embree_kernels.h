@@ -18,10 +18,10 @@ public:
 
     [[nodiscard]] bool ok() const { return tree_ != nullptr; }
 
-    void nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use) const override;
-    void occluded(std::span<const Ray> rays, std::span<bool> out) const override;
-    void transmittance(std::span<const Ray> rays, std::span<float> out) const override;
-    void crossings(std::span<const Ray> rays, std::span<int> out) const override;
+    Status nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use) const override;
+    Status occluded(std::span<const Ray> rays, std::span<bool> out) const override;
+    Status transmittance(std::span<const Ray> rays, std::span<float> out) const override;
+    Status crossings(std::span<const Ray> rays, std::span<int> out) const override;
     bool trianglesNear(vec3 center, float radius, std::size_t most, std::vector<uint32_t>& triangles) const override;
     [[nodiscard]] std::string describe(const std::string& method) const override;
     [[nodiscard]] std::size_t peakBytes() const override { return embreeBytes_.most(); }

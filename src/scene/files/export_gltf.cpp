@@ -29,17 +29,12 @@ vec2 pairOf(const Json& json, vec2 otherwise)
     return {json[0].get<float>(), json[1].get<float>()};
 }
 
-// The first extension whose references this program does not know.
-std::string unknownExtension(const Json& document)
+/// An extension for whose sake materials and textures keep their numbers; empty if there is none.
+std::string extensionWithNumbers(const Json& document)
 {
-    for (const Json& name : member(document, "extensionsUsed")) {
-        const auto text = name.get<std::string>();
-        if (!isSupportedExtension(text) && !text.starts_with("HALFLIGHT_") && !text.starts_with("KHR_materials_") &&
-            !text.starts_with("KHR_texture_"))
-            return text;
-        if (text == "KHR_animation_pointer") return text; // names materials by their index
-    }
-    return {};
+    constexpr const char* kPointers = "KHR_animation_pointer"; // names materials by their index
+    const Json& used = member(document, "extensionsUsed");
+    return std::find(used.begin(), used.end(), kPointers) != used.end() ? kPointers : unknownExtension(document);
 }
 
 void collectExtensions(const Json& json, std::set<std::string>& names)
@@ -55,7 +50,7 @@ class Exporter {
 public:
     Exporter(const SourceDocument& source, const Scene& scene, const ExportOptions& options, ExportReport& report)
         : source_(source), options_(options), report_(report), patcher_(source),
-          factor_(math::exp2(-options.exposureEv)), unknown_(unknownExtension(source.json))
+          factor_(math::exp2(-options.exposureEv)), unknown_(extensionWithNumbers(source.json))
     {
         for (const Material& material : scene.materials) {
             if (material.sourceMaterial >= 0) materialOf_[material.sourceMaterial] = &material;
@@ -75,8 +70,7 @@ public:
             compactDocument(patcher_.json, false);
         } else {
             report_.warnings.push_back(
-                "materials and textures that nothing uses any more stay in the file: the extension " + unknown_ +
-                ", which this program does not know, may refer to them");
+                staysForExtension("materials and textures that nothing uses any more stay in the file", unknown_));
         }
         listExtensions();
         patcher_.json["asset"]["generator"] = options_.generator;

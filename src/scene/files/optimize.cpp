@@ -78,17 +78,6 @@ Status checkBake(const SourceDocument& document, const Json& bake)
     return checkBakedValues(baked);
 }
 
-// The first extension of the document that might refer to buffer views behind this program's back.
-std::string unknownExtension(const Json& document)
-{
-    for (const Json& name : member(document, "extensionsUsed")) {
-        const auto text = name.get<std::string>();
-        if (!isSupportedExtension(text) && !text.starts_with("KHR_materials_") && !text.starts_with("KHR_texture_"))
-            return text;
-    }
-    return {};
-}
-
 void makeUnique(Json& json, const char* list)
 {
     const std::set<Json> names(json[list].begin(), json[list].end());
@@ -134,10 +123,8 @@ Status optimizeFile(const std::filesystem::path& in, const std::filesystem::path
     if (Status s = optimizePictures(patcher, **source, options, report); !s) return s;
     const std::string unknown = unknownExtension((*source)->json);
     const bool geometry = options.geometry && encodesMeshopt() && unknown.empty();
-    if (options.geometry && !unknown.empty()) {
-        report.warnings.push_back("geometry stays as it is: the extension " + unknown +
-                                  ", which this program does not know, may refer to it");
-    }
+    if (options.geometry && !unknown.empty())
+        report.warnings.push_back(staysForExtension("geometry stays as it is", unknown));
     if (geometry) {
         if (Status s = optimizeMeshes(patcher, **source); !s) return s;
         for (const char* list : {"extensionsUsed", "extensionsRequired"})

@@ -269,7 +269,7 @@ void AtBake::addTriangle(const MeshPart& part, const Material& material, std::si
 void AtBake::add(const Object& object, const MeshPart& part, Sums& sums) const
 {
     const Material& material = materialOf(scene_, part);
-    const std::size_t triangles = part.indices.size() / 3;
+    const std::size_t triangles = part.triangleCount();
     const int samples = int(
         std::clamp<std::size_t>(kSamplesOfPart / std::max<std::size_t>(triangles, 1), kFewestSamples, kMostSamples));
     const double before = sums.area;

@@ -98,6 +98,22 @@ bool isSupportedExtension(std::string_view name)
            std::find(std::begin(kSupported), std::end(kSupported), name) != std::end(kSupported);
 }
 
+std::string unknownExtension(const Json& document)
+{
+    for (const Json& name : member(document, "extensionsUsed")) {
+        const auto text = name.get<std::string>();
+        if (!isSupportedExtension(text) && !text.starts_with("HALFLIGHT_") && !text.starts_with("KHR_materials_") &&
+            !text.starts_with("KHR_texture_"))
+            return text;
+    }
+    return {};
+}
+
+std::string staysForExtension(const std::string& what, const std::string& extension)
+{
+    return what + ": the extension " + extension + ", which this program does not know, may refer to it";
+}
+
 bool isHarmlessExtension(std::string_view name)
 {
     return std::find(std::begin(kHarmless), std::end(kHarmless), name) != std::end(kHarmless);

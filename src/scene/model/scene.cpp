@@ -4,6 +4,13 @@
 
 namespace halflight {
 
+std::size_t Mesh::triangleCount() const
+{
+    std::size_t count = 0;
+    for (const MeshPart& part : parts) count += part.triangleCount();
+    return count;
+}
+
 const char* nameOf(LightType type)
 {
     switch (type) {

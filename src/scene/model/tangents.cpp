@@ -117,7 +117,7 @@ private:
     // First derivatives of the position by u and v on each triangle.
     void measureTriangles()
     {
-        triangles_.resize(part_.indices.size() / 3);
+        triangles_.resize(part_.triangleCount());
         for (uint32_t t = 0; t < triangles_.size(); ++t) {
             Triangle& triangle = triangles_[t];
             const vec3& p = position(3 * t);

@@ -80,7 +80,7 @@ Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const s
     parallelFor(used.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (cancel != nullptr && *cancel) {
-                reads[i] = Error{ErrorCode::Cancelled, "interrupted", ""};
+                reads[i] = cancelledError();
                 continue;
             }
             const MeshKey& key = used[i]->first;

@@ -42,7 +42,7 @@ float Guides::probability(const Guide& guide, uint32_t cluster) const
     return (1.0f - guide.sharedFraction()) * local + guide.sharedFraction() * probability(guide.shared, cluster);
 }
 
-SourceChoice Guides::chooseCluster(const Guide& guide, vec2 u) const
+SourcePoint Guides::choosePoint(const Guide& guide, vec2 u) const
 {
     const GuideList* list = &guide.local;
     if (guide.shared.count > 0) {
@@ -58,9 +58,8 @@ SourceChoice Guides::chooseCluster(const Guide& guide, vec2 u) const
     const float begin = number == list->first ? 0.0f : cumulative_[number - 1];
     u.x = std::clamp((u.x - begin) / std::max(cumulative_[number] - begin, 1.0e-12f), 0.0f, 0x1.fffffep-1f);
     const Entry& entry = entries_[number];
-    clusters_.prefetch(entry.cluster);
     const float probability = guide.shared.count > 0 ? this->probability(guide, entry.cluster) : entry.probability;
-    return {entry.cluster, probability, u};
+    return clusters_.choosePoint(entry.cluster, probability, u);
 }
 
 } // namespace halflight

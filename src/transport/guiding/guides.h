@@ -44,8 +44,8 @@ public:
     /// Guide at a point of a front.
     [[nodiscard]] Guide guideAt(const PatchLayout& layout, const SurfacePoint& point) const;
 
-    /// First step of a sample: a cluster of the guide.
-    [[nodiscard]] SourceChoice chooseCluster(const Guide& guide, vec2 u) const;
+    /// A point of one of the guide's clusters; none where the guide has no clusters.
+    [[nodiscard]] SourcePoint choosePoint(const Guide& guide, vec2 u) const;
     /// Density of the guide's samples on a chart patch, per square metre; 0 for patches that are not sampled.
     [[nodiscard]] float pdfArea(const Guide& guide, PatchId patch) const
     {

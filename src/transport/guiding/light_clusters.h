@@ -4,7 +4,6 @@
 #include "transport/guiding/patch_light.h"
 #include "transport/radiosity/patch_layout.h"
 #include "transport/sample/alias_table.h"
-#include "transport/trace/prefetch.h"
 
 #include "halflight/shading/sampling.h"
 
@@ -14,15 +13,6 @@
 
 namespace halflight {
 
-/// A sample of secondary sources while it is chosen, step by step. Each step reads memory that the step before
-/// prefetched.
-struct SourceChoice {
-    static constexpr uint32_t kNone = ~0u;
-    uint32_t index = kNone; ///< of a cluster, then of an alias bin, then of a source triangle
-    float probability = 0.0f;
-    vec2 u{0.0f};
-};
-
 /// A sampled point of a secondary source.
 struct SourcePoint {
     FaceId face;
@@ -30,7 +20,7 @@ struct SourcePoint {
     vec2 barycentric{0.0f};
     vec3 position{0.0f};
     vec3 normal{0.0f};    ///< geometric, of the face
-    float pdfArea = 0.0f; ///< per square metre
+    float pdfArea = 0.0f; ///< per square metre; 0 = no sample
 };
 
 /// Clusters of patches (lightcuts: Walter et al. 2005, "Lightcuts: A Scalable Approach to Illumination"). A cluster is
@@ -61,36 +51,22 @@ public:
     /// Density on a patch given its cluster, per square metre; 0 for patches that are not sampled.
     [[nodiscard]] float pdfArea(PatchId patch) const { return members_[patch].pdfArea; }
 
-    void prefetch(uint32_t cluster) const { halflight::prefetch(&clusters_[cluster]); }
-    /// From a cluster to a bin of its alias table; to kNone if the cluster was removed.
-    void chooseBin(SourceChoice& choice) const
+    /// A point of a cluster that was chosen with `probability`; none of a cluster that was removed.
+    [[nodiscard]] SourcePoint choosePoint(uint32_t number, float probability, vec2 u) const
     {
-        const Cluster& cluster = clusters_[choice.index];
-        choice.index = SourceChoice::kNone;
-        if (cluster.triangleCount == 0) return;
-        const float at = choice.u.x * float(cluster.triangleCount);
+        const Cluster& cluster = clusters_[number];
+        if (cluster.triangleCount == 0) return {};
+        const float at = u.x * float(cluster.triangleCount);
         const uint32_t bin = std::min(uint32_t(at), cluster.triangleCount - 1);
-        choice.index = cluster.firstTriangle + bin;
-        choice.u.x = at - float(bin);
-        halflight::prefetch(&bins_[choice.index]);
-    }
-    void chooseTriangle(SourceChoice& choice) const
-    {
-        choice.index += bins_[choice.index].select(choice.u.x);
-        const char* triangle = reinterpret_cast<const char*>(&triangles_[choice.index]);
-        halflight::prefetch(triangle);
-        halflight::prefetch(triangle + sizeof(SourceTriangle) - 1);
-    }
-    void choosePoint(const SourceChoice& choice, SourcePoint& point) const
-    {
-        const SourceTriangle& t = triangles_[choice.index];
-        const vec2 at = shading::sampleTriangle(choice.u);
-        point.face = t.face;
-        point.patch = t.patch;
-        point.barycentric = t.corners[0] + at.x * (t.corners[1] - t.corners[0]) + at.y * (t.corners[2] - t.corners[0]);
-        point.position = t.origin + at.x * t.edge1 + at.y * t.edge2;
-        point.normal = t.normal;
-        point.pdfArea = choice.probability * t.pdfArea;
+        u.x = at - float(bin);
+        const uint32_t first = cluster.firstTriangle + bin;
+        const SourceTriangle& t = triangles_[first + bins_[first].select(u.x)];
+        const vec2 on = shading::sampleTriangle(u);
+        const vec2 barycentric =
+            t.corners[0] + on.x * (t.corners[1] - t.corners[0]) + on.y * (t.corners[2] - t.corners[0]);
+        return {t.face,      t.patch,
+                barycentric, t.origin + on.x * t.edge1 + on.y * t.edge2,
+                t.normal,    probability * t.pdfArea};
     }
 
 private:

@@ -25,33 +25,27 @@ struct TexelEstimate {
 };
 
 /// Samples of a block, numbered by stratum, then lane.
-constexpr std::size_t kBlockSamples = std::size_t(StratifiedPattern::kBlock) * TexelGroup::kLanes;
+constexpr std::size_t kBlockSamples = std::size_t(StratifiedPattern::kBlock) * kLanes;
 inline std::size_t sampleOf(int stratum, int lane)
 {
-    return std::size_t(stratum * TexelGroup::kLanes + lane);
+    return std::size_t(stratum * kLanes + lane);
 }
 inline std::size_t stratumOf(std::size_t sample)
 {
-    return sample / TexelGroup::kLanes;
+    return sample / kLanes;
 }
 inline int laneOf(std::size_t sample)
 {
-    return int(sample % TexelGroup::kLanes);
+    return int(sample % kLanes);
 }
 
 class SampleList {
 public:
     void add(std::size_t sample) { list_[count_++] = uint8_t(sample); }
-    /// Without a branch, which would be mispredicted often.
-    void addIf(bool wanted, std::size_t sample)
-    {
-        list_[count_] = uint8_t(sample);
-        count_ += wanted ? 1 : 0;
-    }
     [[nodiscard]] std::span<const uint8_t> samples() const { return {list_.data(), count_}; }
 
 private:
-    std::array<uint8_t, kBlockSamples + 1> list_;
+    std::array<uint8_t, kBlockSamples> list_;
     std::size_t count_ = 0;
 };
 
@@ -64,11 +58,10 @@ public:
         inverseSquares_.fill(0.0f);
     }
     /// Adds light that arrives along the rays of a stratum.
-    void add(std::size_t stratum, const Vec3Lanes<TexelGroup::kLanes>& irradiance,
-             std::span<const Ray, TexelGroup::kLanes> rays)
+    void add(std::size_t stratum, const Vec3Lanes& irradiance, std::span<const Ray, kLanes> rays)
     {
         Half& half = halves_[halfOf(stratum)];
-        for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
             half.irradiance.x[lane] += irradiance.x[lane];
             half.irradiance.y[lane] += irradiance.y[lane];
             half.irradiance.z[lane] += irradiance.z[lane];
@@ -97,13 +90,13 @@ public:
 
 private:
     struct Half {
-        Vec3Lanes<TexelGroup::kLanes> irradiance;
-        Vec3Lanes<TexelGroup::kLanes> moment;
+        Vec3Lanes irradiance;
+        Vec3Lanes moment;
     };
     static std::size_t halfOf(std::size_t stratum) { return ((stratum >> 2) ^ (stratum >> 1)) & 1u; }
 
     std::array<Half, 2> halves_;
-    std::array<float, TexelGroup::kLanes> inverseSquares_;
+    std::array<float, kLanes> inverseSquares_;
 };
 
 } // namespace halflight

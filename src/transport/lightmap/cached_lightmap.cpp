@@ -25,31 +25,34 @@ constexpr const char* kScaleStage = "scale";
 
 } // namespace
 
-bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+Status CachedLightmap::prepare(const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    if (state_ != nullptr && map_ == &map && mapTexels_ == map.texels.size()) return true;
-    auto state = std::make_unique<LightmapState>(map);
-    if (!store_.computed(kRadianceStage, *state, [&] { return build(*state, map, progress, rays); })) return false;
+    if (state_ != nullptr) return {};
+    auto state = std::make_unique<LightmapState>(map_);
+    const auto compute = [&] { return build(*state, progress, rays); };
+    if (Status s = store_.computed(kRadianceStage, *state, compute); !s) return s;
     state_ = std::move(state);
-    map_ = &map;
-    mapTexels_ = map.texels.size();
-    return true;
+    return {};
 }
 
-bool CachedLightmap::build(LightmapState& state, const TexelMap& map, const Progress& progress,
-                           std::atomic<uint64_t>& rays) const
+Status CachedLightmap::build(LightmapState& state, const Progress& progress, std::atomic<uint64_t>& rays) const
 {
     if (settings_.bounces > 0) {
-        const RadiosityInput input{paths_, map, pattern_, settings_, store_};
-        std::optional<Radiosity> radiosity = buildRadiosity(input, progress, rays);
-        if (!radiosity) return false;
-        state.guides = buildGuides(*radiosity, map, paths_.surfaces());
-        state.cache = std::move(radiosity->solution.cache);
-        radiosity.reset();
+        if (Status s = buildCache(state, progress, rays); !s) return s;
         releaseFreeMemory();
     }
-    state.mean = meanOf({paths_, pattern_, settings_, map, state}, rays);
-    return true;
+    state.mean = meanOf({paths_, pattern_, settings_, map_, state}, rays);
+    return paths_.surfaces().outcome(true);
+}
+
+Status CachedLightmap::buildCache(LightmapState& state, const Progress& progress, std::atomic<uint64_t>& rays) const
+{
+    const RadiosityInput input{paths_, map_, pattern_, settings_, store_};
+    Result<Radiosity> radiosity = buildRadiosity(input, progress, rays);
+    if (!radiosity) return radiosity.error();
+    state.guides = buildGuides(*radiosity, map_, paths_.surfaces());
+    state.cache = std::move(radiosity->solution.cache);
+    return {};
 }
 
 /// Mean luminance over as many texels as the plan has runs, spread over the map. It is rounded to a power of two, so
@@ -63,7 +66,7 @@ float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& 
     const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kRuns);
     for (std::size_t i = 0; i < map.texels.size(); i += step) {
         const auto texel = uint32_t(i);
-        std::array<TexelEstimate, TexelGroup::kLanes> estimates;
+        std::array<TexelEstimate, kLanes> estimates;
         const GatherGroup group(paths_, map, std::span(&texel, 1));
         uint64_t traced = 0;
         gather.add(group, 0, 1, estimates, traced);
@@ -76,10 +79,11 @@ float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& 
 }
 
 // The scale is of the whole map, so that a texel's samples do not depend on the request.
-bool CachedLightmap::findScale(const LightmapInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
+Status CachedLightmap::findScale(const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    if (state_->scale > 0.0f) return true;
-    const std::size_t count = input.map.texels.size();
+    if (state_->scale > 0.0f) return {};
+    const LightmapInput input = this->input();
+    const std::size_t count = map_.texels.size();
     std::vector<uint32_t> some(std::min(count, kRuns * kTexelsOfRun));
     if (some.size() == count) {
         std::iota(some.begin(), some.end(), 0u);
@@ -89,33 +93,33 @@ bool CachedLightmap::findScale(const LightmapInput& input, const Progress& progr
             some[i] = uint32_t(first + i % kTexelsOfRun);
         }
     }
-    return store_.computed(kScaleStage, state_->scale, [&] {
+    return store_.computed(kScaleStage, state_->scale, [&]() -> Status {
         if (store_.isShared()) return findScaleTogether(input, some, progress, rays);
         LightmapRun run(input, some, settings_.samples, 0.0f, progress, rays);
-        if (!run.firstPass()) return false;
+        if (Status s = run.firstPass(); !s) return s;
         state_->scale = run.scaleOf(run.demands());
         state_->firstPass.emplace(run.takeStates());
-        return true;
+        return {};
     });
 }
 
 /// The parts are runs of the texels. They have some demands in common: those of anchors.
-bool CachedLightmap::findScaleTogether(const LightmapInput& input, std::span<const uint32_t> texels,
-                                       const Progress& progress, std::atomic<uint64_t>& rays)
+Status CachedLightmap::findScaleTogether(const LightmapInput& input, std::span<const uint32_t> texels,
+                                         const Progress& progress, std::atomic<uint64_t>& rays)
 {
     constexpr std::size_t kPartTexels = 8 * kTexelsOfRun;
     std::vector<std::vector<TexelDemand>> parts((texels.size() + kPartTexels - 1) / kPartTexels);
-    const auto compute = [&](std::size_t first, std::size_t end) {
+    const auto compute = [&](std::size_t first, std::size_t end) -> Status {
         for (std::size_t part = first; part < end; ++part) {
             const auto some = texels.subspan(part * kPartTexels);
             LightmapRun run(input, some.first(std::min(kPartTexels, some.size())), settings_.samples, 0.0f, progress,
                             rays);
-            if (!run.firstPass()) return false;
+            if (Status s = run.firstPass(); !s) return s;
             parts[part] = run.demands();
         }
-        return true;
+        return {};
     };
-    if (!store_.computedParts("demands", std::span(parts), 1, compute)) return false;
+    if (Status s = store_.computedParts("demands", std::span(parts), 1, compute); !s) return s;
     std::map<uint32_t, float> byTexel;
     for (const std::vector<TexelDemand>& demands : parts) {
         for (const TexelDemand& d : demands) byTexel.emplace(d.texel, d.times);
@@ -125,33 +129,33 @@ bool CachedLightmap::findScaleTogether(const LightmapInput& input, std::span<con
     state_->scale = LightmapRun(input, texels.first(std::min<std::size_t>(1, texels.size())), settings_.samples, 0.0f,
                                 progress, rays)
                         .scaleOf(all);
-    return true;
+    return {};
 }
 
-bool CachedLightmap::shareParts(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+Status CachedLightmap::prepareParts(const Progress& progress, std::atomic<uint64_t>& rays) const
 {
     const bool needed = store_.isShared() && !store_.contains(kRadianceStage);
-    if (!needed || map.texels.empty() || settings_.bounces == 0) return true;
-    return buildRadiosityParts({paths_, map, pattern_, settings_, store_}, progress, rays);
+    if (!needed || map_.texels.empty() || settings_.bounces == 0) return {};
+    return buildRadiosityParts({paths_, map_, pattern_, settings_, store_}, progress, rays);
 }
 
-bool CachedLightmap::prepareAll(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+Status CachedLightmap::prepareAll(const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    if (map.texels.empty()) return true;
-    if (!prepare(map, progress, rays)) return false;
-    return settings_.cache.noiseTarget > 0.0f || findScale({paths_, pattern_, settings_, map, *state_}, progress, rays);
+    if (map_.texels.empty()) return {};
+    if (Status s = prepare(progress, rays); !s) return s;
+    return settings_.cache.noiseTarget > 0.0f ? Status() : findScale(progress, rays);
 }
 
-bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
-                                std::span<IrradianceEstimate> out, const Progress& progress,
-                                std::atomic<uint64_t>& rays)
+Status CachedLightmap::irradiance(std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                                  const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    if (texels.empty()) return true;
-    if (!prepare(map, progress, rays)) return false;
-    const LightmapInput input{paths_, pattern_, settings_, map, *state_};
+    if (texels.empty()) return {};
+    if (Status s = prepare(progress, rays); !s) return s;
+    const LightmapInput input = this->input();
     // Requests for other numbers of samples than the settings' (check samples of the tile cache) have no plan.
     const bool planned = settings_.cache.noiseTarget <= 0.0f && samples == settings_.samples;
-    if (planned && !findScale(input, partOf(progress, 0.0, 0.0), rays)) return false;
+    if (planned)
+        if (Status s = findScale(partOf(progress, 0.0, 0.0), rays); !s) return s;
     // In parts, because states take more memory than estimates: each thread has those of one part at a time. Threads
     // that would wait for the end of a pass of one part go on with other parts.
     constexpr std::size_t kPartTexels = 65536; // few texels beside a part are computed for its sake
@@ -164,12 +168,12 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
                 const auto some = texels.subspan(first, std::min(kPartTexels, texels.size() - first));
                 const Progress part = progressOfParts.part(p);
                 LightmapRun run(input, some, samples, planned ? state_->scale : 0.0f, part, rays);
-                if (!run.run()) return;
+                if (!run.run()) return; // outcome() says why
                 for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
             });
         }
     });
-    return !progress.cancelled();
+    return paths_.surfaces().outcome(!progress.cancelled());
 }
 
 } // namespace halflight

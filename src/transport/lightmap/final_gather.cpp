@@ -47,14 +47,13 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int number, std::span
 // The estimator of irradiance is pi times the radiance of a cosine-distributed ray (pdf cos / pi).
 void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& rays)
 {
-    constexpr std::size_t kLanes = TexelGroup::kLanes;
     rays += uint64_t(block_.bundle.trace(paths_, pattern_, group, settings_.seed, number, kAllStrata));
     block_.hits.lookUp(block_.bundle);
     Radiances radiance;
     weightHits(group, number, radiance, rays);
     // A loop of its own: vector loads right after scalar stores to the same memory would stall.
     for (std::size_t stratum = 0; stratum < radiance.size(); ++stratum) {
-        Vec3Lanes<kLanes>& r = radiance[stratum];
+        Vec3Lanes& r = radiance[stratum];
         for (std::size_t l = 0; l < kLanes; ++l) {
             block_.sums.addDistance(l, block_.bundle.hits[stratum][l].distance);
             r.x[l] *= kPi;
@@ -74,8 +73,8 @@ void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& ra
     SampleList sources;
     SampleList emissive;
     for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
-        Vec3Lanes<TexelGroup::kLanes>& r = radiance[std::size_t(stratum)];
-        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+        Vec3Lanes& r = radiance[std::size_t(stratum)];
+        for (int lane = 0; lane < kLanes; ++lane) {
             const auto l = std::size_t(lane);
             const std::size_t sample = sampleOf(stratum, lane);
             if (block_.hits.missed(sample) || !group.active(lane)) {

@@ -21,7 +21,7 @@ public:
     void addEmitters(const GatherGroup& group, std::span<TexelEstimate> estimates, uint64_t& rays);
 
 private:
-    using Radiances = std::array<Vec3Lanes<TexelGroup::kLanes>, StratifiedPattern::kBlock>;
+    using Radiances = std::array<Vec3Lanes, StratifiedPattern::kBlock>;
     void gatherBlock(const GatherGroup& group, int number, uint64_t& rays);
     void weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays);
     void sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates, uint64_t& rays);

@@ -58,7 +58,7 @@ IrradianceEstimate LightmapRun::estimateOf(uint32_t texel) const
     return estimate;
 }
 
-bool LightmapRun::firstPass()
+Status LightmapRun::firstPass()
 {
     std::vector<uint32_t> places;
     for (int spacing = grid_.step(); spacing >= 1; spacing /= 2) {
@@ -73,10 +73,10 @@ bool LightmapRun::firstPass()
         const int blocks = plan_.firstBlocks();
         const auto first = [blocks](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
                                     uint64_t& rays) { gather.add(group, 0, blocks, estimates, rays); };
-        if (!extend(places, first)) return false;
+        if (Status s = extend(places, first); !s) return s;
         for (const uint32_t place : places) stateAt(place).valid = input_.map.texels[texelAt(place)].validPoints != 0;
     }
-    return true;
+    return {};
 }
 
 /// Copies a texel's first samples from the pass that computed the scale, if that has them.
@@ -88,7 +88,7 @@ bool LightmapRun::takeFirstPass(uint32_t place)
     return true;
 }
 
-bool LightmapRun::laterPasses()
+Status LightmapRun::laterPasses()
 {
     std::vector<int> needed(size());
     parallelFor(size(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -121,15 +121,17 @@ bool LightmapRun::laterPasses()
         for (std::size_t i = 0; i < places.size(); i += kGrain)
             batches.push_back({places.subspan(i, std::min(kGrain, places.size() - i)), blocksOfStep[step]});
     }
-    return parallelFor(batches.size(), 1, progress_, "lightmap", [&](std::size_t begin, std::size_t end) {
-        FinalGather gather = input_.makeGather();
-        for (std::size_t b = begin; b < end; ++b) {
-            const int blocks = batches[b].blocks;
-            extendSome(batches[b].places, gather,
-                       [first, blocks](FinalGather& g, const GatherGroup& group, std::span<TexelEstimate> estimates,
-                                       uint64_t& rays) { g.add(group, first, blocks, estimates, rays); });
-        }
-    });
+    const bool finished =
+        parallelFor(batches.size(), 1, progress_, "lightmap", [&](std::size_t begin, std::size_t end) {
+            FinalGather gather = input_.makeGather();
+            for (std::size_t b = begin; b < end; ++b) {
+                const int blocks = batches[b].blocks;
+                extendSome(batches[b].places, gather,
+                           [first, blocks](FinalGather& g, const GatherGroup& group, std::span<TexelEstimate> estimates,
+                                           uint64_t& rays) { g.add(group, first, blocks, estimates, rays); });
+            }
+        });
+    return input_.paths.surfaces().outcome(finished);
 }
 
 /// Interpolates a texel if its anchors are valid and no geometry is near them.
@@ -173,7 +175,7 @@ void LightmapRun::interpolate(const SparseGrid::Anchors& anchors, TexelState& st
 
 /// Interpolates again from the final samples of the anchors, if these have grown. Emitters are sampled at every texel,
 /// because shadows of small emitters have sharp edges.
-bool LightmapRun::finishInterpolated()
+Status LightmapRun::finishInterpolated()
 {
     std::vector<uint32_t> places;
     for (std::size_t i = 0; i < size(); ++i) {
@@ -189,28 +191,30 @@ bool LightmapRun::finishInterpolated()
             }
         });
     }
-    if (!input_.paths.light().samplesEmission()) return true;
+    if (!input_.paths.light().samplesEmission()) return {};
     return extend(places, [](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
                              uint64_t& rays) { gather.addEmitters(group, estimates, rays); });
 }
 
 /// Calls add(gather, group, estimates, rays) for groups of texels and their estimates.
-template<typename Add> bool LightmapRun::extend(const std::vector<uint32_t>& places, const Add& add)
+template<typename Add> Status LightmapRun::extend(const std::vector<uint32_t>& places, const Add& add)
 {
-    return parallelFor(places.size(), kGrain, progress_, "lightmap", [&](std::size_t begin, std::size_t end) {
-        FinalGather gather = input_.makeGather();
-        extendSome(std::span(places).subspan(begin, end - begin), gather, add);
-    });
+    const bool finished =
+        parallelFor(places.size(), kGrain, progress_, "lightmap", [&](std::size_t begin, std::size_t end) {
+            FinalGather gather = input_.makeGather();
+            extendSome(std::span(places).subspan(begin, end - begin), gather, add);
+        });
+    return input_.paths.surfaces().outcome(finished);
 }
 
 template<typename Add>
 void LightmapRun::extendSome(std::span<const uint32_t> places, FinalGather& gather, const Add& add)
 {
     uint64_t traced = 0;
-    std::array<uint32_t, TexelGroup::kLanes> texels{};
-    std::array<TexelEstimate, TexelGroup::kLanes> estimates;
-    for (std::size_t i = 0; i < places.size() && !progress_.cancelled(); i += TexelGroup::kLanes) {
-        const std::size_t lanes = std::min(places.size() - i, std::size_t(TexelGroup::kLanes));
+    std::array<uint32_t, kLanes> texels{};
+    std::array<TexelEstimate, kLanes> estimates;
+    for (std::size_t i = 0; i < places.size() && !stopped(); i += kLanes) {
+        const std::size_t lanes = std::min(places.size() - i, std::size_t(kLanes));
         for (std::size_t k = 0; k < lanes; ++k) {
             texels[k] = texelAt(places[i + k]);
             estimates[k] = stateAt(places[i + k]).estimate;

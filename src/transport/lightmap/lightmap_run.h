@@ -52,11 +52,16 @@ public:
     LightmapRun(const LightmapInput& input, std::span<const uint32_t> texels, int samples, float scale,
                 const Progress& progress, std::atomic<uint64_t>& rays);
 
-    /// All passes. False when cancelled.
-    bool run() { return firstPass() && laterPasses() && finishInterpolated(); }
+    /// All passes.
+    Status run()
+    {
+        if (Status s = firstPass(); !s) return s;
+        if (Status s = laterPasses(); !s) return s;
+        return finishInterpolated();
+    }
     /// First samples of all texels, level by level of the sparse grid. A texel whose anchors show light without detail
     /// is interpolated.
-    bool firstPass();
+    Status firstPass();
     /// Demands of the texels that may take more than the first samples.
     [[nodiscard]] std::vector<TexelDemand> demands() const { return plan_.demands(*wanted_, texels_); }
     [[nodiscard]] float scaleOf(std::span<const TexelDemand> demands) const { return plan_.scaleOf(demands); }
@@ -64,13 +69,14 @@ public:
     [[nodiscard]] IrradianceEstimate estimateOf(uint32_t texel) const;
 
 private:
-    bool laterPasses();
-    bool finishInterpolated();
+    Status laterPasses();
+    Status finishInterpolated();
     bool takeFirstPass(uint32_t place);
     void tryInterpolate(uint32_t place);
     void interpolate(const SparseGrid::Anchors& anchors, TexelState& state) const;
-    template<typename Add> bool extend(const std::vector<uint32_t>& places, const Add& add);
+    template<typename Add> Status extend(const std::vector<uint32_t>& places, const Add& add);
     template<typename Add> void extendSome(std::span<const uint32_t> places, FinalGather& gather, const Add& add);
+    [[nodiscard]] bool stopped() const { return progress_.cancelled() || input_.paths.surfaces().failed(); }
     [[nodiscard]] std::size_t size() const { return texels_.texels.size(); }
     [[nodiscard]] uint32_t texelAt(std::size_t place) const { return texels_.texels[place]; }
     [[nodiscard]] TexelState& stateAt(std::size_t place) { return texels_.states[place]; }

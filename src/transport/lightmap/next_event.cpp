@@ -32,7 +32,6 @@ int samplesOf(const Guide& guide)
 
 void NextEvent::prepareEmitters(const GatherGroup& group)
 {
-    static_assert(kLanes == LightTree::Cut::kLanes);
     LightTree::Points positions;
     LightTree::Points normals;
     const int any = group.firstActive();
@@ -79,7 +78,7 @@ float NextEvent::misWeightOfHit(const RayBundle& bundle, int stratum, int lane, 
 /// Makes the samples of the lanes in `sky` points of the sky. Their distance is beyond all geometry, which is at most
 /// 1e7 m from the origin, and small enough for the square of it.
 void NextEvent::setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
-                       const Vec2Lanes<kLanes>& u, EmitterLanes& lanes) const
+                       const Vec2Lanes& u, EmitterLanes& lanes) const
 {
     constexpr float kSkyMeters = 1.0e9f;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -95,48 +94,21 @@ void NextEvent::setSky(const GatherBlock& block, std::size_t stratum, const Ligh
     }
 }
 
-/// Chooses points of sources for all samples, in sweeps that prefetch for one another.
-void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata, GatherBlock& block)
+/// Chooses points of sources for all samples.
+void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata)
 {
-    const LightClusters& clusters = guides_->clusters();
-    SampleList chosen;
-    for (int i = 0; i < int(kLanes); ++i) {
+    for (int i = 0; i < kLanes; ++i) {
         const auto lane = std::size_t(i);
+        for (const uint8_t stratum : strata) points_[sampleOf(stratum, i)].pdfArea = 0.0f;
         if (sourceSamples_[lane] == 0) continue;
         const StratifiedPattern::Block points =
             pattern_.block(hashCombine(settings_.seed ^ kSourceSeed, group.id(i)), number);
         const int shuffle = sourceSamples_[lane] < StratifiedPattern::kBlock ? xorShuffle(group.id(i)) : 0;
         for (const uint8_t stratum : strata) {
-            if (!samplesSource(lane, number, stratum)) continue;
-            const std::size_t sample = sampleOf(stratum, i);
-            choices_[sample] = guides_->chooseCluster(guide_[lane], points.unit(stratum ^ shuffle));
-            chosen.addIf(choices_[sample].index != SourceChoice::kNone, sample);
+            if (samplesSource(lane, number, stratum))
+                points_[sampleOf(stratum, i)] = guides_->choosePoint(guide_[lane], points.unit(stratum ^ shuffle));
         }
     }
-    for (const std::size_t sample : chosen.samples()) clusters.chooseBin(choices_[sample]);
-    for (const std::size_t sample : chosen.samples()) {
-        if (choices_[sample].index != SourceChoice::kNone) clusters.chooseTriangle(choices_[sample]);
-    }
-    for (const uint8_t stratum : strata) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane) points_[sampleOf(stratum, int(lane))].pdfArea = 0.0f;
-    }
-    SampleList withPoint;
-    for (const std::size_t sample : chosen.samples()) {
-        if (choices_[sample].index == SourceChoice::kNone) continue;
-        SourcePoint& point = points_[sample];
-        clusters.choosePoint(choices_[sample], point);
-        if (point.pdfArea <= 0.0f) continue;
-        withPoint.add(sample);
-        block.hits.setPatch(sample, point.face, point.patch);
-    }
-    block.hits.find(
-        withPoint.samples(),
-        [&](std::size_t sample) {
-            return glm::distance(block.bundle.origin(stratumOf(sample), laneOf(sample)), points_[sample].position);
-        },
-        [&](std::size_t sample) {
-            return HitLookup::FacePoint{points_[sample].face, points_[sample].barycentric};
-        });
 }
 
 /// Turns a sample of a source into an emitter sample, if the cache has the radiance of its point.
@@ -147,15 +119,16 @@ void NextEvent::setSource(std::size_t sample, const GatherBlock& block, EmitterL
     lanes.pdfArea[lane] = 0.0f;
     lanes.weight[lane] = 1.0f;
     if (point.pdfArea <= 0.0f) return;
-    const PatchRadiance* cached = block.hits.radiance(sample);
+    const vec3 origin = block.bundle.origin(stratumOf(sample), laneOf(sample));
+    const vec3 way = point.position - origin;
+    const PatchRadiance* cached = cache_->find({point.face, point.barycentric, {}, glm::length(way)}, point.patch);
     if (cached == nullptr) return;
     EmitterSample e;
     e.position = point.position;
     e.normal = point.normal;
     // A ray passes through the uncovered part.
     const float coverage = paths_.surfaces().coverageOfHit(point.face.hitIndex, point.barycentric);
-    const vec3 origin = block.bundle.origin(stratumOf(sample), laneOf(sample));
-    e.radiance = cached->along(glm::normalize(point.position - origin)) * coverage;
+    e.radiance = cached->along(glm::normalize(way)) * coverage;
     e.pdfArea = point.pdfArea * sourceFraction(lane);
     lanes.set(lane, e);
 }
@@ -170,7 +143,7 @@ void NextEvent::sampleSources(const GatherGroup& group, int number, GatherBlock&
         if (any) all[count++] = uint8_t(stratum);
     }
     const std::span<const uint8_t> strata(all.data(), count);
-    chooseSources(group, number, strata, block);
+    chooseSources(group, number, strata);
     addSamples(
         strata,
         [&](std::size_t stratum, EmitterLanes& lanes) {
@@ -210,7 +183,7 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
             LightTree::Points positions;
             LightTree::Cut::Lanes<bool> wanted;
             LightTree::Cut::Lanes<bool> sky{};
-            Vec2Lanes<kLanes> u{};
+            Vec2Lanes u{};
             const int order = StratifiedPattern::orderOf(int(stratum), number);
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 positions.set(lane, block.bundle.origin(stratum, int(lane)));
@@ -264,8 +237,8 @@ void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, Gathe
     if (traced == 0) return;
     rays += traced;
     std::array<float, kLanes> transmittance;
-    paths_.surfaces().kernels().transmittance(batch, transmittance);
-    Vec3Lanes<kLanes> irradiance;
+    paths_.surfaces().transmittance(batch, transmittance);
+    Vec3Lanes irradiance;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const bool lit = !batch[lane].meetsNothing() && transmittance[lane] > 0.0f;
         irradiance.set(lane, lit ? lanes.radiance[lane] * (unshadowed[lane] * transmittance[lane]) : vec3(0.0f));

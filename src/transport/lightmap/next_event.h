@@ -54,7 +54,6 @@ public:
     [[nodiscard]] bool sampledEmitters(int lane) const { return emitterLanes_[std::size_t(lane)]; }
 
 private:
-    static constexpr std::size_t kLanes = TexelGroup::kLanes;
     [[nodiscard]] bool samplesSource(std::size_t lane, int block, int stratum) const
     {
         // A quarter or half of a block is one or two strata in each row and column of the pattern.
@@ -67,9 +66,9 @@ private:
     {
         return float(sourceSamples_[lane]) / float(StratifiedPattern::kBlock);
     }
-    void chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata, GatherBlock& block);
+    void chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata);
     void setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
-                const Vec2Lanes<kLanes>& u, EmitterLanes& lanes) const;
+                const Vec2Lanes& u, EmitterLanes& lanes) const;
     void setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes) const;
     template<typename Choose>
     void addSamples(std::span<const uint8_t> strata, const Choose& choose, GatherBlock& block, uint64_t& rays);
@@ -84,7 +83,6 @@ private:
     std::array<bool, kLanes> emitterLanes_{};
     std::array<Guide, kLanes> guide_;
     std::array<int, kLanes> sourceSamples_{}; ///< of a block
-    std::array<SourceChoice, kBlockSamples> choices_;
     std::array<SourcePoint, kBlockSamples> points_;
 };
 

@@ -77,9 +77,9 @@ bool walkGetsOut(const PathTracer& paths, SurfacePoint point, std::span<const ve
 
 } // namespace
 
-bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
-                       std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
-                       const Progress& progress, std::atomic<uint64_t>& rays)
+Status tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                         std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                         const Progress& progress, std::atomic<uint64_t>& rays)
 {
     constexpr std::size_t kTexelGrain = 64;
     const auto estimateOf = [&](const Texel& texel, uint64_t& traced) {
@@ -98,66 +98,73 @@ bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& setti
         estimate.samples = gathered.count;
         return estimate;
     };
-    return parallelFor(texels.size(), kTexelGrain, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
-        uint64_t traced = 0;
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-            out[i] = estimateOf(map.texels[texels[i]], traced);
-        rays += traced;
-    });
+    const bool finished =
+        parallelFor(texels.size(), kTexelGrain, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
+            uint64_t traced = 0;
+            for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
+                out[i] = estimateOf(map.texels[texels[i]], traced);
+            rays += traced;
+        });
+    return paths.surfaces().outcome(finished);
 }
 
-bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
-                        std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
-                        const Progress& progress, std::atomic<uint64_t>& rays)
+Status traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                          std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                          const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    if (!tracePathLightmap(paths, settings, map, texels, samples, out, progress, rays)) return false;
+    if (Status s = tracePathLightmap(paths, settings, map, texels, samples, out, progress, rays); !s) return s;
     constexpr std::size_t kTexelGrain = 64;
-    return parallelFor(texels.size(), kTexelGrain, progress, "lights", [&](std::size_t begin, std::size_t end) {
-        uint64_t traced = 0;
-        TexelPoints points;
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
-            const Texel& texel = map.texels[texels[i]];
-            const int count = texelPoints(paths.surfaces().geometry(), map, texel, points);
-            spreadOverSides(paths.surfaces().geometry(), points, count);
-            Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
-            const SurfacePoint& point = points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
-            paths.light().forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
-                if (light.directAtTexels) out[i].irradiance += lightAt(paths, light, point, sampler, traced);
-            });
-        }
-        rays += traced;
-    });
+    const bool finished =
+        parallelFor(texels.size(), kTexelGrain, progress, "lights", [&](std::size_t begin, std::size_t end) {
+            uint64_t traced = 0;
+            TexelPoints points;
+            for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+                const Texel& texel = map.texels[texels[i]];
+                const int count = texelPoints(paths.surfaces().geometry(), map, texel, points);
+                spreadOverSides(paths.surfaces().geometry(), points, count);
+                Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
+                const SurfacePoint& point =
+                    points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
+                paths.light().forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
+                    if (light.directAtTexels) out[i].irradiance += lightAt(paths, light, point, sampler, traced);
+                });
+            }
+            rays += traced;
+        });
+    return paths.surfaces().outcome(finished);
 }
 
-bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, std::span<const SurfacePoint> points,
-                std::span<const vec3> eyes, int samples, int walks, std::span<SideEstimate> out,
-                const Progress& progress, std::atomic<uint64_t>& rays)
+Status traceSides(const PathTracer& paths, const IntegrationSettings& settings, std::span<const SurfacePoint> points,
+                  std::span<const vec3> eyes, int samples, int walks, std::span<SideEstimate> out,
+                  const Progress& progress, std::atomic<uint64_t>& rays)
 {
     constexpr uint32_t kSidesSeed = 0x5eed0051u;
     constexpr std::size_t kGrain = 16;
     IntegrationSettings own = settings;
     own.seed = settings.seed ^ kSidesSeed;
-    return parallelFor(points.size(), kGrain, progress, "sheets", [&](std::size_t begin, std::size_t end) {
-        uint64_t traced = 0;
-        TexelPoints one;
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
-            const uint32_t id = uint32_t(i);
-            Sampler sampler(own.seed, id, uint32_t(samples)); // beyond the paths' own
-            SideEstimate& side = out[i] = {};
-            for (int walk = 0; walk < walks; ++walk) {
-                Sampler ofWalk(own.seed, id, uint32_t(samples + 1 + walk));
-                side.open += walkGetsOut(paths, points[i], eyes, ofWalk, traced) ? 1.0f / float(walks) : 0.0f;
+    const bool finished =
+        parallelFor(points.size(), kGrain, progress, "sheets", [&](std::size_t begin, std::size_t end) {
+            uint64_t traced = 0;
+            TexelPoints one;
+            for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+                const uint32_t id = uint32_t(i);
+                Sampler sampler(own.seed, id, uint32_t(samples)); // beyond the paths' own
+                SideEstimate& side = out[i] = {};
+                for (int walk = 0; walk < walks; ++walk) {
+                    Sampler ofWalk(own.seed, id, uint32_t(samples + 1 + walk));
+                    side.open += walkGetsOut(paths, points[i], eyes, ofWalk, traced) ? 1.0f / float(walks) : 0.0f;
+                }
+                if (samples == 0) continue;
+                one[0] = points[i];
+                side.irradiance = gather(paths, own, one, 1, samples, id, traced).mean();
+                paths.light().forLightsNear(points[i].position, [&](const PunctualLight& light, uint32_t) {
+                    vec3& sum = light.directAtTexels || light.maskOfLight ? side.irradiance : side.direct;
+                    sum += lightAt(paths, light, points[i], sampler, traced);
+                });
             }
-            if (samples == 0) continue;
-            one[0] = points[i];
-            side.irradiance = gather(paths, own, one, 1, samples, id, traced).mean();
-            paths.light().forLightsNear(points[i].position, [&](const PunctualLight& light, uint32_t) {
-                vec3& sum = light.directAtTexels || light.maskOfLight ? side.irradiance : side.direct;
-                sum += lightAt(paths, light, points[i], sampler, traced);
-            });
-        }
-        rays += traced;
-    });
+            rays += traced;
+        });
+    return paths.surfaces().outcome(finished);
 }
 
 } // namespace halflight

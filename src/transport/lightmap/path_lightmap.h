@@ -8,19 +8,19 @@
 
 namespace halflight {
 
-/// As Integrator::irradiance(), without fully baked lights: each sample is a path. False when cancelled.
-bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
-                       std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
-                       const Progress& progress, std::atomic<uint64_t>& rays);
+/// As Integrator::irradiance(), without fully baked lights: each sample is a path.
+Status tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                         std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                         const Progress& progress, std::atomic<uint64_t>& rays);
 
 /// As Integrator::irradiance() for rough requests.
-bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
-                        std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
-                        const Progress& progress, std::atomic<uint64_t>& rays);
+Status traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                          std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                          const Progress& progress, std::atomic<uint64_t>& rays);
 
 /// As Integrator::sides().
-bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, std::span<const SurfacePoint> points,
-                std::span<const vec3> eyes, int samples, int walks, std::span<SideEstimate> out,
-                const Progress& progress, std::atomic<uint64_t>& rays);
+Status traceSides(const PathTracer& paths, const IntegrationSettings& settings, std::span<const SurfacePoint> points,
+                  std::span<const vec3> eyes, int samples, int walks, std::span<SideEstimate> out,
+                  const Progress& progress, std::atomic<uint64_t>& rays);
 
 } // namespace halflight

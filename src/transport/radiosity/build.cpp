@@ -41,18 +41,18 @@ public:
     {}
 
     /// Samples all form factors.
-    bool runPasses()
+    Status runPasses()
     {
         buildFronts();
         buildBacks();
         gather(PassKind::Elements,
                patches_.texelsIn(input_.map, 0, [](PatchState s) { return s.occluded || s.hitNear; }));
-        return !failed_ && !progress_.cancelled();
+        return status_ ? outcome() : status_;
     }
 
-    std::optional<Radiosity> build()
+    Result<Radiosity> build()
     {
-        if (!runPasses()) return std::nullopt;
+        if (Status s = runPasses(); !s) return s.error();
         RadiositySolution solution = solveRadiosity(patches_, std::move(factors_), input_.settings.bounces);
         return Radiosity{std::move(patches_), std::move(solution)};
     }
@@ -62,6 +62,7 @@ private:
     /// Parts of a pass that processes share: at most 128, of 4 ranges or more.
     static constexpr std::size_t kMostParts = 128;
     static constexpr std::size_t kFewestRanges = 4;
+    [[nodiscard]] Status outcome() const { return input_.paths.surfaces().outcome(!progress_.cancelled()); }
     static bool isOccluded(PatchState s) { return s.occluded; }
     static bool isHit(PatchState s) { return s.hit; }
 
@@ -110,7 +111,7 @@ private:
     void forRanges(std::span<const uint32_t> items, std::span<Out> out, const Work& work) const
     {
         parallelFor(out.size(), 1, progress_, "bounces", [&](std::size_t begin, std::size_t end) {
-            for (std::size_t r = begin; r < end && !progress_.cancelled(); ++r) {
+            for (std::size_t r = begin; r < end && outcome(); ++r) {
                 const std::size_t item = r * kRangeItems;
                 work(items.subspan(item, std::min(kRangeItems, items.size() - item)), out[r]);
             }
@@ -127,9 +128,9 @@ private:
             const std::size_t item = first * kRangeItems;
             const std::size_t count = std::min(end * kRangeItems, items.size()) - item;
             forRanges(items.subspan(item, count), out.subspan(first, end - first), work);
-            return !progress_.cancelled();
+            return outcome();
         };
-        failed_ = failed_ || !input_.store.computedParts(name, out, perPart, compute);
+        if (status_) status_ = input_.store.computedParts(name, out, perPart, compute);
     }
 
     void findOccluded(PassKind kind, std::span<const uint32_t> items)
@@ -176,19 +177,18 @@ private:
     std::atomic<uint64_t>& rays_;
     Patches patches_;
     FormFactors factors_;
-    int passes_ = 0;      ///< so far
-    bool failed_ = false; ///< cancelled, or a shared folder cannot be written
+    int passes_ = 0; ///< so far
+    Status status_;  ///< the first error of a pass; those after it do nothing
 };
 
 } // namespace
 
-std::optional<Radiosity> buildRadiosity(const RadiosityInput& input, const Progress& progress,
-                                        std::atomic<uint64_t>& rays)
+Result<Radiosity> buildRadiosity(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
 {
     return RadiosityBuilder(input, progress, rays).build();
 }
 
-bool buildRadiosityParts(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
+Status buildRadiosityParts(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
 {
     return RadiosityBuilder(input, progress, rays).runPasses();
 }

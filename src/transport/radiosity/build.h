@@ -4,9 +4,9 @@
 #include "transport/radiosity/solve.h"
 
 #include "halflight/base/progress.h"
+#include "halflight/base/result.h"
 
 #include <atomic>
-#include <optional>
 
 namespace halflight {
 
@@ -16,11 +16,9 @@ struct Radiosity {
 };
 
 /// Tiles the map's surfaces by patches and computes their radiance after up to settings.bounces (at least 1) bounces.
-/// Nothing when cancelled.
-std::optional<Radiosity> buildRadiosity(const RadiosityInput& input, const Progress& progress,
-                                        std::atomic<uint64_t>& rays);
+Result<Radiosity> buildRadiosity(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays);
 
-/// The passes of buildRadiosity() alone, whose parts input.store keeps. False when cancelled or not written.
-bool buildRadiosityParts(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays);
+/// The passes of buildRadiosity() alone, whose parts input.store keeps.
+Status buildRadiosityParts(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays);
 
 } // namespace halflight

@@ -60,7 +60,7 @@ void FormFactorSampler::gatherGroup(const GatherGroup& group)
 {
     const int blocks = std::max(1, effort_.rays / StratifiedPattern::kBlock);
     Strata all;
-    const std::size_t count = strataOf(group.texel(0) / (TexelGroup::kLanes * uint32_t(effort_.every)), all);
+    const std::size_t count = strataOf(group.texel(0) / (kLanes * uint32_t(effort_.every)), all);
     const std::span<uint8_t> strata(all.data(), count);
     for (int b = 0; b < blocks; ++b) {
         rays_ += uint64_t(bundle_.trace(paths_, pass_.input().pattern, group, seed_, b, strata));
@@ -148,9 +148,9 @@ void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
         Sampler sampler{0, 0, 0};
         SceneLight::LightChoice choice;
     };
-    std::array<LaneSample, TexelGroup::kLanes> samples;
+    std::array<LaneSample, kLanes> samples;
     ShadowPacket packet(paths_);
-    for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+    for (int lane = 0; lane < kLanes; ++lane) {
         LaneSample& s = samples[std::size_t(lane)];
         if (!group.active(lane)) continue;
         s.point = &group.point(lane, group.pointOf(lane, 0, sample & (kMaxTexelPoints - 1)));
@@ -161,8 +161,8 @@ void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
         if (s.choice.light == nullptr) continue;
         packet.add(lane, *s.choice.light, *s.point, s.choice.disc, rays_);
     }
-    const std::array<float, TexelGroup::kLanes> transmittance = packet.trace();
-    for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+    const std::array<float, kLanes> transmittance = packet.trace();
+    for (int lane = 0; lane < kLanes; ++lane) {
         LaneSample& s = samples[std::size_t(lane)];
         if (s.source == kNoPatch) continue;
         const SurfacePoint& point = *s.point;

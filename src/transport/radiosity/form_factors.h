@@ -39,7 +39,7 @@ struct FormFactorRange {
     /// Samples of a patch that are among the last 64; for sums without links.
     PatchSamples& recent(PatchId patch)
     {
-        constexpr std::size_t kFew = 8 * TexelGroup::kLanes;
+        constexpr std::size_t kFew = 8 * kLanes;
         const std::size_t end = samples.size();
         for (std::size_t i = end; i > 0 && i + kFew > end; --i) {
             if (samples[i - 1].patch == patch) return samples[i - 1];

@@ -1,7 +1,6 @@
 #pragma once
 // Radiosity patches of hit surfaces: from a hit to its patch and element.
 
-#include "transport/trace/prefetch.h"
 #include "transport/trace/ray_tracer.h"
 
 #include <algorithm>
@@ -77,7 +76,6 @@ struct PatchLayout {
     [[nodiscard]] PatchId backOf(PatchId front) const { return front + (front < chartPatches ? chartPatches : 1); }
     /// Element of a patch at a point, or kNoPatch.
     [[nodiscard]] PatchId elementAt(FaceId face, vec2 barycentric, PatchId patch) const;
-    void prefetchElements(PatchId patch) const { prefetch(&elements[patch]); }
     /// Width of a patch is 2^shift elements.
     [[nodiscard]] int elementShift(PatchId patch) const
     {

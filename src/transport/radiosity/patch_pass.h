@@ -42,9 +42,9 @@ public:
     /// Calls body(group) for all items, eight at a time.
     template<typename Body> void forGroups(std::span<const uint32_t> items, const Body& body) const
     {
-        std::array<TexelGroup::Side, TexelGroup::kLanes> sides;
-        for (std::size_t i = 0; i < items.size(); i += TexelGroup::kLanes) {
-            const auto some = items.subspan(i, std::min(items.size() - i, std::size_t(TexelGroup::kLanes)));
+        std::array<TexelGroup::Side, kLanes> sides;
+        for (std::size_t i = 0; i < items.size(); i += kLanes) {
+            const auto some = items.subspan(i, std::min(items.size() - i, std::size_t(kLanes)));
             if (kind_ == PassKind::Triangles) {
                 for (std::size_t k = 0; k < some.size(); ++k)
                     sides[k] = {patches_.triangles[some[k] / 2], some[k] % 2 != 0};

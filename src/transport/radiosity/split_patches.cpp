@@ -156,7 +156,7 @@ bool OccluderSearch::between(vec3 from, const Targets& targets)
         batch[i] = {from, 0.0f, (targets[i] - from) / length, 0.999f * length};
         ++rays_;
     }
-    tracer_.kernels().nearest(batch, hits);
+    tracer_.nearest(batch, hits);
     std::array<Ray, kTargets> reversed;
     bool any = false;
     for (std::size_t i = 0; i < kTargets; ++i) {
@@ -168,7 +168,7 @@ bool OccluderSearch::between(vec3 from, const Targets& targets)
     }
     if (!any) return false;
     std::array<RayHit, kTargets> back;
-    tracer_.kernels().nearest(reversed, back);
+    tracer_.nearest(reversed, back);
     for (std::size_t i = 0; i < kTargets; ++i) {
         if (hits[i].found() && !tracer_.hitHiddenBack(back[i])) return true;
     }

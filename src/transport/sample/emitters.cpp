@@ -97,12 +97,11 @@ EmitterSample Emitters::sample(vec3 position, vec3 normal, vec2 u) const
 }
 
 void Emitters::sample(const LightTree::Cut& cut, const LightTree::Points& positions, const LightTree::Points& normals,
-                      const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes<LightTree::Cut::kLanes>& u,
-                      EmitterLanes& samples) const
+                      const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes& u, EmitterLanes& samples) const
 {
     LightTree::Cut::Lanes<LightTree::Choice> choices;
     tree_.sample(cut, positions, normals, wanted, u.x, choices);
-    for (std::size_t lane = 0; lane < EmitterLanes::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
         samples.pdfArea[lane] = 0.0f;
         if (choices[lane].probability > 0.0f) samples.set(lane, at(choices[lane], u.y[lane]));
     }

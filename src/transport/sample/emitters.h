@@ -57,10 +57,9 @@ struct EmitterSample {
 
 /// Emitter samples of eight receivers, by lane.
 struct EmitterLanes {
-    static constexpr std::size_t kLanes = LightTree::Cut::kLanes;
-    Vec3Lanes<kLanes> position;
-    Vec3Lanes<kLanes> normal;
-    Vec3Lanes<kLanes> radiance;
+    Vec3Lanes position;
+    Vec3Lanes normal;
+    Vec3Lanes radiance;
     std::array<float, kLanes> pdfArea;
     std::array<int32_t, kLanes> doubleSided;
     std::array<int32_t, kLanes> rayVisible;
@@ -97,8 +96,7 @@ public:
     [[nodiscard]] EmitterSample sample(vec3 position, vec3 normal, vec2 u) const;
     /// Samples of the lanes in `wanted`; the other lanes have none.
     void sample(const LightTree::Cut& cut, const LightTree::Points& positions, const LightTree::Points& normals,
-                const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes<LightTree::Cut::kLanes>& u,
-                EmitterLanes& samples) const;
+                const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes& u, EmitterLanes& samples) const;
     /// Density of sample() on a triangle, per square metre; 0 for triangles that do not emit.
     [[nodiscard]] float pdfArea(const Receiver& receiver, uint32_t triangle) const;
 

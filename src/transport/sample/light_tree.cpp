@@ -48,12 +48,9 @@ float LightTree::importance(const Node& node, vec3 position, vec3 normal)
 LightTree::Weights LightTree::importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                          const Points& normals) const
 {
-    NodeLanes<Cut::kLanes> lanes;
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) lanes.set(lane, nodes_[nodes[lane]]);
     Weights weights;
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
-        weights[lane] = importance(lanes[lane], positions[lane], normals[lane]);
-    }
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+        weights[lane] = importance(nodes_[nodes[lane]], positions[lane], normals[lane]);
     return weights;
 }
 
@@ -62,26 +59,26 @@ float LightTree::total(vec3 position, vec3 normal) const
     return importance(nodes_[kRoot], position, normal);
 }
 
-LightTree::Quad::Lanes<float> LightTree::probabilities(const Quad& quad, vec3 position, vec3 normal) const
+LightTree::Step LightTree::stepFrom(uint32_t node, vec3 position, vec3 normal) const
 {
-    Quad::Lanes<float> weights;
-    for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
-        weights[lane] = importance(quad.nodes[lane], position, normal);
-    }
-    const float sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
-    if (!(sum > 0.0f && sum < kInfinity)) {
-        if (sum <= 0.0f) return {};
-        // The sum overflowed; uniform probabilities are unbiased.
-        const auto count =
-            float(std::count_if(quad.number.begin(), quad.number.end(), [](uint32_t n) { return n != ~0u; }));
-        for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
-            weights[lane] = quad.number[lane] != ~0u ? 1.0f / count : 0.0f;
+    Step step;
+    for (const uint32_t child : {node + 1, nodes_[node].second}) {
+        if (nodes_[child].leaf) {
+            step.node[step.count++] = child;
+        } else {
+            step.node[step.count++] = child + 1;
+            step.node[step.count++] = nodes_[child].second;
         }
-        return weights;
     }
+    std::array<float, 4>& weights = step.probability;
+    for (std::size_t i = 0; i < step.count; ++i) weights[i] = importance(nodes_[step.node[i]], position, normal);
+    const float sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
+    if (sum <= 0.0f) return step;
+    // If the sum overflowed, even probabilities are unbiased.
     const float inverse = 1.0f / sum;
-    for (float& weight : weights) weight *= inverse;
-    return weights;
+    for (std::size_t i = 0; i < step.count; ++i)
+        weights[i] = sum < kInfinity ? weights[i] * inverse : 1.0f / float(step.count);
+    return step;
 }
 
 LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_t node) const
@@ -91,22 +88,20 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
         return {~0u, 0.0f, u};
     }
     while (!nodes_[node].leaf) {
-        const Quad& quad = quads_[nodes_[node].quad];
-        const Quad::Lanes<float> p = probabilities(quad, position, normal);
+        const Step step = stepFrom(node, position, normal);
         float below = 0.0f;
-        std::size_t lane = 0;
-        std::size_t last = Quad::kLanes; // with a probability above 0
-        for (; lane < Quad::kLanes; ++lane) {
-            if (!(p[lane] > 0.0f)) continue;
-            last = lane;
-            if (choice.u < below + p[lane]) break;
-            below += p[lane];
+        std::size_t chosen = step.count;
+        for (std::size_t i = 0; i < step.count; ++i) {
+            if (!(step.probability[i] > 0.0f)) continue;
+            if (chosen < step.count) below += step.probability[chosen];
+            chosen = i;
+            if (choice.u < below + step.probability[i]) break;
         }
-        if (last == Quad::kLanes) return {~0u, 0.0f, u};
-        if (lane == Quad::kLanes) below -= p[last]; // rounding
-        choice.u = std::clamp((choice.u - below) / p[last], 0.0f, 0x1.fffffep-1f);
-        choice.probability *= p[last];
-        node = quad.number[last];
+        if (chosen == step.count) return {~0u, 0.0f, u};
+        const float probability = step.probability[chosen];
+        choice.u = std::clamp((choice.u - below) / probability, 0.0f, 0x1.fffffep-1f);
+        choice.probability *= probability;
+        node = step.node[chosen];
     }
     choice.item = nodes_[node].second;
     return choice;
@@ -118,19 +113,19 @@ void LightTree::sample(const Cut& cut, const Points& positions, const Points& no
     // Binary search for the node of each lane's random number, all lanes in step.
     Cut::Lanes<uint32_t> place{};
     for (auto n = uint32_t(cut.count); n > 1; n -= n / 2) {
-        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const uint32_t half = place[lane] + n / 2;
             place[lane] = u[lane] >= cut.below[half][lane] ? half : place[lane];
         }
     }
     Cut::Lanes<float> probability;
     Cut::Lanes<float> rest;
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
         probability[lane] = cut.probability[place[lane]][lane];
         rest[lane] = (u[lane] - cut.below[place[lane]][lane]) / probability[lane];
         rest[lane] = std::min(std::max(rest[lane], 0.0f), 0x1.fffffep-1f);
     }
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
         choices[lane] = {cut.item[place[lane]][lane], wanted[lane] ? probability[lane] : 0.0f, rest[lane]};
         if (!wanted[lane] || choices[lane].item != ~0u) continue;
         choices[lane] = sample(positions[lane], normals[lane], rest[lane], cut.node[place[lane]][lane]);
@@ -158,15 +153,15 @@ float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 pos
     }
     float probability = 1.0f;
     while (levels > 0) {
-        // Quads cover two levels; one level is left if their number is odd.
-        const int step = levels % 2 == 0 ? 2 : 1;
+        // One level is left if their number is odd.
+        const bool two = levels % 2 == 0;
         const uint32_t parent = nodes_[node].parent;
-        const uint32_t from = step == 2 ? nodes_[parent].parent : parent;
-        const Quad& quad = quads_[nodes_[from].quad];
-        const Quad::Lanes<float> p = probabilities(quad, position, normal);
-        probability *= p[std::size_t(std::find(quad.number.begin(), quad.number.end(), node) - quad.number.begin())];
+        const uint32_t from = two ? nodes_[parent].parent : parent;
+        const Step step = stepFrom(from, position, normal);
+        probability *=
+            step.probability[std::size_t(std::find(step.node.begin(), step.node.end(), node) - step.node.begin())];
         node = from;
-        levels -= step;
+        levels -= two ? 2 : 1;
     }
     return probability;
 }
@@ -186,7 +181,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
     std::array<Weights, Cut::kMaxNodes> toOpen; ///< weight, negative for leaves
     const auto set = [&](const Cut::Lanes<uint32_t>& places, const Cut::Lanes<uint32_t>& nodes) {
         const Weights w = importance(nodes, positions, normals);
-        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const std::size_t place = places[lane];
             const Node& node = nodes_[nodes[lane]];
             cut.node[place][lane] = nodes[lane];
@@ -201,7 +196,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         Weights most = toOpen[0];
         Cut::Lanes<uint32_t> widest{};
         for (uint32_t i = 1; i < cut.count; ++i) {
-            for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 const bool more = toOpen[i][lane] > most[lane];
                 most[lane] = more ? toOpen[i][lane] : most[lane];
                 widest[lane] = more ? i : widest[lane];
@@ -210,7 +205,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         Cut::Lanes<uint32_t> last;
         Cut::Lanes<uint32_t> first;
         Cut::Lanes<uint32_t> second;
-        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const uint32_t opened = cut.node[widest[lane]][lane];
             first[lane] = opened + 1;
             second[lane] = nodes_[opened].second;
@@ -219,7 +214,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         set(widest, first);
         set(last, second);
     }
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
         float& total = cut.total[lane];
         for (std::size_t i = 0; i < cut.count; ++i) total += weight[i][lane];
         const bool usable = total > 0.0f && total < kInfinity;

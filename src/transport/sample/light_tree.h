@@ -52,7 +52,6 @@ public:
     /// Cuts through the tree of eight points, by lane: every item is below exactly one node of a cut. A texel's samples
     /// choose among the nodes of one cut (the paper's tree splitting, once per texel).
     struct Cut {
-        static constexpr std::size_t kLanes = 8;
         static constexpr std::size_t kMaxNodes = 2 * StratifiedPattern::kBlock;
         template<typename T> using Lanes = std::array<T, kLanes>;
         std::size_t count = 0;
@@ -62,7 +61,7 @@ public:
         std::array<Lanes<float>, kMaxNodes> probability;
         std::array<Lanes<float>, kMaxNodes> below; ///< cumulative probability of the nodes before
     };
-    using Points = Vec3Lanes<Cut::kLanes>;
+    using Points = Vec3Lanes;
     [[nodiscard]] Cut cut(const Points& positions, const Points& normals) const;
     /// Chooses a light for the lanes in `wanted`; the other lanes have none.
     void sample(const Cut& cut, const Points& positions, const Points& normals, const Cut::Lanes<bool>& wanted,
@@ -80,52 +79,8 @@ private:
         float range = 0.0f;  ///< largest of its lights; 0 = unlimited
         uint32_t second = 0; ///< second child (the first follows its parent); of a leaf, the item
         uint32_t parent = ~0u;
-        uint32_t quad = 0; ///< of inner nodes
         bool leaf = false;
         bool twoSided = false;
-    };
-    /// Inputs of importance() by lane.
-    template<std::size_t N> struct NodeLanes {
-        Vec3Lanes<N> center;
-        Vec3Lanes<N> axis;
-        std::array<float, N> radius;
-        std::array<float, N> cosSpread;
-        std::array<float, N> sinSpread;
-        std::array<float, N> power;
-        std::array<float, N> range;
-        std::array<int32_t, N> twoSided;
-
-        void set(std::size_t lane, const Node& node)
-        {
-            center.set(lane, node.center);
-            axis.set(lane, node.axis);
-            radius[lane] = node.radius;
-            cosSpread[lane] = node.cosSpread;
-            sinSpread[lane] = node.sinSpread;
-            power[lane] = node.power;
-            range[lane] = node.range;
-            twoSided[lane] = node.twoSided ? 1 : 0;
-        }
-        [[nodiscard]] Node operator[](std::size_t lane) const
-        {
-            Node node;
-            node.center = center[lane];
-            node.axis = axis[lane];
-            node.radius = radius[lane];
-            node.cosSpread = cosSpread[lane];
-            node.sinSpread = sinSpread[lane];
-            node.power = power[lane];
-            node.range = range[lane];
-            node.twoSided = twoSided[lane] != 0;
-            return node;
-        }
-    };
-    /// Grandchildren of a node and those of its children that are leaves: traversal takes two levels per step.
-    struct Quad {
-        static constexpr std::size_t kLanes = 4;
-        template<typename T> using Lanes = std::array<T, kLanes>;
-        NodeLanes<kLanes> nodes;
-        Lanes<uint32_t> number; ///< ~0 = none, with power 0
     };
     struct BuildItem;
     static Node nodeOf(std::span<const BuildItem> items);
@@ -137,15 +92,19 @@ private:
     using Weights = Cut::Lanes<float>;
     [[nodiscard]] Weights importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                      const Points& normals) const;
-    void makeQuads();
-    /// Probabilities of a quad's nodes; all zero if no light is in range.
-    [[nodiscard]] Quad::Lanes<float> probabilities(const Quad& quad, vec3 position, vec3 normal) const;
+    /// Nodes that a traversal chooses among: two levels per step, as the bounds of four nodes tell more than those of
+    /// two. Of a child that is a leaf, the leaf itself.
+    struct Step {
+        std::array<uint32_t, 4> node{};
+        std::array<float, 4> probability{}; ///< all zero if no light is in range
+        std::size_t count = 0;
+    };
+    [[nodiscard]] Step stepFrom(uint32_t node, vec3 position, vec3 normal) const;
     /// Probability of an item given the root, or given the node of the cut above it, whose index is written.
     float climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 position, vec3 normal,
                 std::size_t& cutIndex) const;
 
     std::vector<Node> nodes_;
-    std::vector<Quad> quads_;
     std::vector<uint32_t> leafOfItem_;
 };
 

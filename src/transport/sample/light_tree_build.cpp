@@ -93,32 +93,6 @@ LightTree::LightTree(std::span<const LightItem> items)
     nodes_.reserve(2 * items.size());
     leafOfItem_.resize(items.size());
     this->build(build, ~0u);
-    makeQuads();
-}
-
-void LightTree::makeQuads()
-{
-    for (uint32_t n = 0; n < nodes_.size(); ++n) {
-        if (nodes_[n].leaf) continue;
-        nodes_[n].quad = uint32_t(quads_.size());
-        Quad& quad = quads_.emplace_back();
-        std::size_t lane = 0;
-        const auto add = [&](uint32_t number, const Node& node) {
-            quad.nodes.set(lane, node);
-            quad.number[lane++] = number;
-        };
-        for (const uint32_t child : {n + 1, nodes_[n].second}) {
-            if (nodes_[child].leaf) {
-                add(child, nodes_[child]);
-                continue;
-            }
-            add(child + 1, nodes_[child + 1]);
-            add(nodes_[child].second, nodes_[nodes_[child].second]);
-        }
-        Node none;
-        none.center = quad.nodes.center[0];
-        while (lane < Quad::kLanes) add(~0u, none);
-    }
 }
 
 LightTree::Node LightTree::nodeOf(std::span<const BuildItem> items)

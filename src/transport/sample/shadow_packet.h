@@ -2,13 +2,13 @@
 // Shadow rays of eight surface points.
 
 #include "transport/sample/path_tracer.h"
+#include "transport/trace/lanes.h"
 
 namespace halflight {
 
 /// DirectLight::lightVisibility() for one light and point in each lane.
 class ShadowPacket {
 public:
-    static constexpr std::size_t kLanes = 8;
     explicit ShadowPacket(const PathTracer& paths) : paths_(paths) {}
 
     void add(int lane, const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays)
@@ -22,7 +22,7 @@ public:
     {
         std::array<float, kLanes> result;
         result.fill(1.0f);
-        if (any_) paths_.surfaces().kernels().transmittance(rays_, result);
+        if (any_) paths_.surfaces().transmittance(rays_, result);
         return result;
     }
 

@@ -180,8 +180,8 @@ private:
 };
 
 /// Adds the lights' direct light to the texels of a pass. The estimate of its texel i is out[places[i]].
-bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lights, uint32_t seed,
-               std::span<const uint32_t> places, std::span<IrradianceEstimate> out)
+Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lights, uint32_t seed,
+                 std::span<const uint32_t> places, std::span<IrradianceEstimate> out)
 {
     std::vector<ShadowSource> sources;
     const PunctualLight* const first = pass.paths.light().lights().data();
@@ -189,15 +189,15 @@ bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lig
         sources.push_back({LightReach(std::vector{light}), true, hashCombine(seed, uint32_t(light - first))});
     const auto rays = float(pass.timesOnEdges * pass.samples);
     const Progress shadows = partOf(pass.progress, 0.0, 0.9);
-    std::vector<LitCount> counts;
-    if (!traceShadows(pass.of(pass.texels, shadows), sources, counts)) return false;
+    std::vector<LitSum> counts;
+    if (Status s = traceShadows(pass.of(pass.texels, shadows), sources, counts); !s) return s;
     const auto addTo = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             IrradianceEstimate& estimate = out[places[i]];
             if (!estimate.valid) continue;
             Unshadowed unshadowed(pass, i);
             for (std::size_t l = 0; l < lights.size(); ++l) {
-                const LitCount& lit = counts[i * lights.size() + l];
+                const LitSum& lit = counts[i * lights.size() + l];
                 if (!lit.any()) continue;
                 const float strength = lights[l]->shadowStrength;
                 const float transmittance = glm::mix(1.0f, lit.share(), strength);
@@ -214,12 +214,13 @@ bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lig
             }
         }
     };
-    return parallelFor(pass.texels.size(), 1024, partOf(pass.progress, 0.9, 1.0), pass.stage, addTo);
+    const Progress rest = partOf(pass.progress, 0.9, 1.0);
+    return pass.paths.surfaces().outcome(parallelFor(pass.texels.size(), 1024, rest, pass.stage, addTo));
 }
 
 /// Lights that reach every texel, up to four at a time: there is a count for each texel and light.
-bool addLightsEverywhere(const ShadowPass& pass, std::span<const PunctualLight* const> lights, uint32_t seed,
-                         std::span<IrradianceEstimate> out)
+Status addLightsEverywhere(const ShadowPass& pass, std::span<const PunctualLight* const> lights, uint32_t seed,
+                           std::span<IrradianceEstimate> out)
 {
     constexpr std::size_t kLightsAtOnce = 4;
     std::vector<uint32_t> places(lights.empty() ? 0 : pass.texels.size());
@@ -228,15 +229,14 @@ bool addLightsEverywhere(const ShadowPass& pass, std::span<const PunctualLight* 
         const auto some = lights.subspan(first, std::min(kLightsAtOnce, lights.size() - first));
         const double share = 1.0 / double(lights.size());
         const Progress part = partOf(pass.progress, double(first) * share, double(first + some.size()) * share);
-        if (!addLights(pass.of(pass.texels, part), some, seed, places, out)) {
-            return false;
-        }
+        if (Status s = addLights(pass.of(pass.texels, part), some, seed, places, out); !s) return s;
     }
-    return true;
+    return {};
 }
 
 /// Lights with a range, block by block of texels, so that cost and memory follow from the lights that reach a texel.
-bool addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_t seed, std::span<IrradianceEstimate> out)
+Status addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_t seed,
+                        std::span<IrradianceEstimate> out)
 {
     const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
     // About 64 x 64 texels: those of the rim, whose neighbourhoods reach into other blocks, are few.
@@ -253,19 +253,18 @@ bool addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_t 
             const std::vector<uint32_t> places = runs.reachedBy(some, firstRun, endRun);
             std::vector<uint32_t> texels;
             for (const uint32_t place : places) texels.push_back(pass.texels[place]);
-            if (!addLights(pass.of(texels, quiet), some, seed, places, out)) {
-                return;
-            }
+            if (!addLights(pass.of(texels, quiet), some, seed, places, out)) return; // outcome() says why
         }
     };
-    return parallelFor(blocks, 1, pass.progress, pass.stage, [&](std::size_t begin, std::size_t end) {
+    const bool finished = parallelFor(blocks, 1, pass.progress, pass.stage, [&](std::size_t begin, std::size_t end) {
         for (std::size_t block = begin; block < end; ++block) inIsolation([&] { addBlock(block); });
     });
+    return pass.paths.surfaces().outcome(finished);
 }
 
 } // namespace
 
-bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out)
+Status addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out)
 {
     std::vector<const PunctualLight*> everywhere;
     std::vector<const PunctualLight*> inReach;
@@ -274,10 +273,12 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
     const double share = inReach.empty() ? 1.0 : 0.5; // of the progress
     const Progress first = partOf(pass.progress, 0.0, everywhere.empty() ? 0.0 : share);
     const Progress second = partOf(pass.progress, everywhere.empty() ? 0.0 : share, 1.0);
-    if (!addLightsEverywhere(pass.of(pass.texels, first), everywhere, seed, out)) return false;
-    if (!inReach.empty() && !addLightsInReach(pass.of(pass.texels, second), LightReach(inReach), seed, out))
-        return false;
-    return !pass.progress.cancelled();
+    if (Status s = addLightsEverywhere(pass.of(pass.texels, first), everywhere, seed, out); !s) return s;
+    if (!inReach.empty()) {
+        const ShadowPass rest = pass.of(pass.texels, second);
+        if (Status s = addLightsInReach(rest, LightReach(inReach), seed, out); !s) return s;
+    }
+    return pass.paths.surfaces().outcome(!pass.progress.cancelled());
 }
 
 } // namespace halflight

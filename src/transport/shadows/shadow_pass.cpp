@@ -14,30 +14,32 @@ namespace {
 /// than a third of them, on a small chart, is no evidence.
 constexpr int kAgreeRadius = 3;
 constexpr int kEnoughTexels = (2 * kAgreeRadius + 1) * (2 * kAgreeRadius + 1) / 3;
-/// Limit from LitCount, an even number of half-batches.
-constexpr int kMostHalves = LitCount::kMostRays / (2 * ShadowRays::kHalf) * 2;
+/// Most rays of a texel to a light: each of them still counts in the sums.
+constexpr int kMostRays = 1 << 16;
+/// An even number of half-batches.
+constexpr int kMostHalves = kMostRays / (2 * ShadowRays::kHalf) * 2;
 
 class ShadowTracer {
 public:
-    ShadowTracer(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
+    ShadowTracer(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts)
         : pass_(pass), sources_(sources), counts_(counts), asked_(pass.map, pass.texels), set_(asked_)
     {
         set_.extend([&](uint32_t texel, const auto& add) { pass.grid.around(texel, kAgreeRadius, add); });
         whole_ = set_.size() == asked_.size();
     }
 
-    bool trace()
+    Status trace()
     {
-        if (!traceFirst()) return false;
+        if (Status s = traceFirst(); !s) return s;
         findOpen();
         release(first_);
         const int halves = ShadowRays::halvesOf(pass_.samples);
         const int firstHalves = std::max(2, halves / 4 * 2);
         const int lastHalves = std::min(pass_.timesOnEdges * halves, kMostHalves);
         const int nextHalves = std::min(2 * firstHalves, lastHalves);
-        if (!traceHalves(0, firstHalves, partOf(pass_.progress, 0.5, 0.7))) return false;
+        if (Status s = traceHalves(0, firstHalves, partOf(pass_.progress, 0.5, 0.7)); !s) return s;
         keepOpen(BesideEdge);
-        if (!traceHalves(firstHalves, nextHalves, partOf(pass_.progress, 0.7, 0.85))) return false;
+        if (Status s = traceHalves(firstHalves, nextHalves, partOf(pass_.progress, 0.7, 0.85)); !s) return s;
         keepOpen(Closed);
         return traceHalves(nextHalves, lastHalves, partOf(pass_.progress, 0.85, 1.0));
     }
@@ -55,11 +57,11 @@ private:
     }
 
     /// 8 rays from points of all texels and their neighbours, valid or not.
-    bool traceFirst()
+    Status traceFirst()
     {
         first_ = largeVector<LitRange>(set_.size() * sourceCount());
         return forTexelGroups(
-            set_.size(), [&](std::size_t i) { return set_[i]; },
+            pass_.paths.surfaces(), set_.size(), [&](std::size_t i) { return set_[i]; },
             [&](std::span<const uint32_t> texels) {
                 return ShadowGroup(pass_.paths, pass_.map, texels, PointUse::All);
             },
@@ -73,7 +75,7 @@ private:
     void traceFirst(const ShadowGroup& group, std::size_t first, uint64_t& rays)
     {
         // The rays of a texel with invalid points do not count.
-        std::array<LitCount*, TexelGroup::kLanes> counted{};
+        std::array<LitSum*, kLanes> counted{};
         for (int lane = 0; lane < group.lanes(); ++lane) {
             std::size_t number = 0;
             if (isAsked(group.texel(lane), number) && validPoints(number) == kAllPoints)
@@ -173,14 +175,14 @@ private:
     }
 
     /// Traces half-batches begin … end - 1 of the open texels.
-    bool traceHalves(int begin, int end, const Progress& progress)
+    Status traceHalves(int begin, int end, const Progress& progress)
     {
         list_ = indicesWhere(pass_.texels.size(), [&](std::size_t i) {
             const auto first = open_.begin() + std::ptrdiff_t(i * sourceCount());
             return std::any_of(first, first + std::ptrdiff_t(sourceCount()), [](Open o) { return o != Closed; });
         });
         return forTexelGroups(
-            list_.size(), [&](std::size_t i) { return pass_.texels[list_[i]]; },
+            pass_.paths.surfaces(), list_.size(), [&](std::size_t i) { return pass_.texels[list_[i]]; },
             [&](std::span<const uint32_t> texels) {
                 return ShadowGroup(pass_.paths, pass_.map, texels, PointUse::Valid);
             },
@@ -195,7 +197,7 @@ private:
     void traceHalves(const ShadowGroup& group, std::size_t first, int begin, int end, uint64_t& rays)
     {
         const auto lanes = std::size_t(group.lanes());
-        std::array<uint32_t, TexelGroup::kLanes> texels;
+        std::array<uint32_t, kLanes> texels;
         for (std::size_t lane = 0; lane < lanes; ++lane) texels[lane] = group.texel(int(lane));
         for (int half = begin; half < end; half += 2) {
             if (half == 0) {
@@ -230,7 +232,7 @@ private:
 
     const ShadowPass& pass_;
     const std::vector<ShadowSource>& sources_;
-    std::vector<LitCount>& counts_; ///< by texel of the pass and source
+    std::vector<LitSum>& counts_; ///< by texel of the pass and source
     TexelSet asked_;
     TexelSet set_;                ///< the pass's texels and their neighbours
     bool whole_;                  ///< both sets are the same
@@ -242,11 +244,11 @@ private:
 
 } // namespace
 
-bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
+Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts)
 {
     assert(sources.size() <= kMaxShadowSources);
-    counts = largeVector<LitCount>(pass.texels.size() * sources.size());
-    if (sources.empty()) return true;
+    counts = largeVector<LitSum>(pass.texels.size() * sources.size());
+    if (sources.empty()) return {};
     return ShadowTracer(pass, sources, counts).trace();
 }
 

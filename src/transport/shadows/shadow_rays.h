@@ -89,6 +89,15 @@ struct LitSum {
         all += weight;
         range.add(transmittance);
     }
+    void add(const LitSum& other)
+    {
+        lit += other.lit;
+        all += other.all;
+        range.add(other.range);
+    }
+    [[nodiscard]] bool any() const { return all > 0.0f; }
+    [[nodiscard]] bool mixed() const { return range.mixed(); }
+    [[nodiscard]] float share() const { return any() ? std::min(lit / all, 1.0f) : 1.0f; }
 };
 
 /// A light, or several of which at most one reaches any point.
@@ -155,15 +164,15 @@ public:
     static int halvesOf(int samples) { return std::max(1, (samples + kHalf - 1) / kHalf); }
 
     /// One half-batch of all active lanes in `wanted` (a bit each), from the points of the group. By lane.
-    using Sums = std::array<LitSum, TexelGroup::kLanes>;
+    using Sums = std::array<LitSum, kLanes>;
     Sums trace(const ShadowGroup& group, uint32_t wanted, int half, uint64_t& rays) const
     {
         Sums sums;
         if (!source_.lights.mayReach(group.bounds())) return sums;
-        std::array<ShadowSource::Target, TexelGroup::kLanes> targets;
+        std::array<ShadowSource::Target, kLanes> targets;
         for (int i = 0; i < kHalf; ++i) {
             ShadowPacket packet(paths_);
-            for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            for (int lane = 0; lane < kLanes; ++lane) {
                 const auto l = std::size_t(lane);
                 targets[l] = {};
                 if (!group.active(lane) || ((wanted >> lane) & 1u) == 0) continue;
@@ -174,8 +183,8 @@ public:
                 if (targets[l].light == nullptr) continue;
                 packet.add(lane, *targets[l].light, point, disc, rays);
             }
-            const std::array<float, TexelGroup::kLanes> transmittance = packet.trace();
-            for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            const std::array<float, kLanes> transmittance = packet.trace();
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 const ShadowSource::Target& target = targets[lane];
                 if (target.light != nullptr) sums[lane].add(transmittance[lane], target.weight);
             }

@@ -12,7 +12,7 @@ inline constexpr std::array<uint8_t, StratifiedPattern::kBlock> kAllStrata = {0,
 /// Rays of one block of all texels of a group, and what they hit. The rays of one stratum are a batch: they are
 /// coherent.
 struct RayBundle {
-    template<typename T> using OfStratum = std::array<T, TexelGroup::kLanes>;
+    template<typename T> using OfStratum = std::array<T, kLanes>;
     std::array<OfStratum<Ray>, StratifiedPattern::kBlock> rays;    ///< by stratum and lane
     std::array<OfStratum<RayHit>, StratifiedPattern::kBlock> hits; ///< the same
 
@@ -25,7 +25,7 @@ struct RayBundle {
         for (const uint8_t stratum : strata) {
             Frames& frame = frames_[flat_ ? 0 : stratum];
             const bool setFrame = !flat_ || stratum == strata.front();
-            for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            for (int lane = 0; lane < kLanes; ++lane) {
                 const int from = group.active(lane) ? lane : any;
                 const GatherGroup::Origin& s = group.origin(from, group.pointOf(from, number, stratum));
                 const auto l = std::size_t(lane);
@@ -44,23 +44,23 @@ struct RayBundle {
               int number, std::span<const uint8_t> strata)
     {
         place(group, number, strata);
-        std::array<StratifiedPattern::Block, TexelGroup::kLanes> blocks;
+        std::array<StratifiedPattern::Block, kLanes> blocks;
         int active = 0;
-        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+        for (int lane = 0; lane < kLanes; ++lane) {
             blocks[std::size_t(lane)] = pattern.block(hashCombine(seed, group.id(lane)), number);
             active += group.active(lane) ? 1 : 0;
         }
-        std::array<Vec3Lanes<TexelGroup::kLanes>, StratifiedPattern::kBlock> locals;
+        std::array<Vec3Lanes, StratifiedPattern::kBlock> locals;
         for (const uint8_t stratum : strata) {
-            for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 locals[stratum].set(lane, pattern.direction(blocks[lane].bits(stratum)));
             }
         }
         for (const uint8_t stratum : strata) {
-            const Vec3Lanes<TexelGroup::kLanes>& local = locals[stratum];
+            const Vec3Lanes& local = locals[stratum];
             const Frames& f = frame(stratum);
-            Vec3Lanes<TexelGroup::kLanes> direction;
-            for (std::size_t l = 0; l < TexelGroup::kLanes; ++l) {
+            Vec3Lanes direction;
+            for (std::size_t l = 0; l < kLanes; ++l) {
                 const vec3 g = f.geometricNormal[l];
                 vec3 d = local.x[l] * f.tangent[l] + local.y[l] * f.bitangent[l] + local.z[l] * f.normal[l];
                 // As gatherDirection(): reflected out of the surface.
@@ -68,22 +68,22 @@ struct RayBundle {
                 d -= (side < 0.0f ? 2.0f * side : 0.0f) * g;
                 direction.set(l, d);
             }
-            for (std::size_t l = 0; l < TexelGroup::kLanes; ++l) {
+            for (std::size_t l = 0; l < kLanes; ++l) {
                 Ray& ray = rays[stratum][l];
                 ray.direction = direction[l];
                 ray.tMax = group.active(int(l)) ? kInfinity : -1.0f;
             }
-            paths.surfaces().kernels().nearest(rays[stratum], hits[stratum]);
+            paths.surfaces().nearest(rays[stratum], hits[stratum]);
         }
         return active * int(strata.size());
     }
 
     /// Frames of the points that a stratum's rays start from.
     struct Frames {
-        Vec3Lanes<TexelGroup::kLanes> tangent;
-        Vec3Lanes<TexelGroup::kLanes> bitangent;
-        Vec3Lanes<TexelGroup::kLanes> normal;
-        Vec3Lanes<TexelGroup::kLanes> geometricNormal;
+        Vec3Lanes tangent;
+        Vec3Lanes bitangent;
+        Vec3Lanes normal;
+        Vec3Lanes geometricNormal;
     };
     [[nodiscard]] const Frames& frame(std::size_t stratum) const { return frames_[flat_ ? 0 : stratum]; }
     [[nodiscard]] vec3 origin(std::size_t stratum, int lane) const { return rays[stratum][std::size_t(lane)].origin; }

@@ -4,6 +4,7 @@
 #include "transport/sample/path_tracer.h"
 #include "transport/sample/stratified_pattern.h"
 #include "transport/texels/texel_points.h"
+#include "transport/trace/lanes.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/shading/sampling.h"
@@ -19,8 +20,6 @@ enum class PointUse { Valid, All };
 
 class TexelGroup {
 public:
-    static constexpr int kLanes = 8;
-
     /// A texel whose points are all valid takes batch batchOf(id) of texelPoints(); other batches of partly valid
     /// texels have not been tested.
     template<typename BatchOf> TexelGroup(const PathTracer& paths, const TexelMap& map,
@@ -193,23 +192,25 @@ private:
 
 /// Calls a body for texels 0…count-1 of a list, eight at a time, on all threads. texelAt(i) returns a texel,
 /// makeGroup(texels) a group of up to eight. makeBody() returns a body with scratch memory for each run of texels:
-/// body(group, first, rays), where `first` is the list's index of lane 0. False when cancelled.
+/// body(group, first, rays), where `first` is the list's index of lane 0.
 template<typename TexelAt, typename MakeGroup, typename MakeBody>
-bool forTexelGroups(std::size_t count, const TexelAt& texelAt, const MakeGroup& makeGroup, const Progress& progress,
-                    const char* stage, std::atomic<uint64_t>& rayCount, const MakeBody& makeBody)
+Status forTexelGroups(const RayTracer& tracer, std::size_t count, const TexelAt& texelAt, const MakeGroup& makeGroup,
+                      const Progress& progress, const char* stage, std::atomic<uint64_t>& rayCount,
+                      const MakeBody& makeBody)
 {
     constexpr std::size_t kGrain = 64;
-    return parallelFor(count, kGrain, progress, stage, [&](std::size_t begin, std::size_t end) {
+    const bool finished = parallelFor(count, kGrain, progress, stage, [&](std::size_t begin, std::size_t end) {
         auto body = makeBody();
         uint64_t rays = 0;
-        std::array<uint32_t, TexelGroup::kLanes> texels;
-        for (std::size_t i = begin; i < end && !progress.cancelled(); i += TexelGroup::kLanes) {
-            const std::size_t lanes = std::min(end - i, std::size_t(TexelGroup::kLanes));
+        std::array<uint32_t, kLanes> texels;
+        for (std::size_t i = begin; i < end && !progress.cancelled() && !tracer.failed(); i += kLanes) {
+            const std::size_t lanes = std::min(end - i, std::size_t(kLanes));
             for (std::size_t k = 0; k < lanes; ++k) texels[k] = texelAt(i + k);
             body(makeGroup(std::span<const uint32_t>(texels.data(), lanes)), i, rays);
         }
         rayCount += rays;
     });
+    return tracer.outcome(finished);
 }
 
 } // namespace halflight

@@ -81,7 +81,7 @@ PointMask TexelValidity::hitBacks(const TexelPoints& points, PointMask which, ui
         batch[count++] = {paths_.surfaces().rayOrigin(point), 0.0f, gatherDirection(point, sampler.next2()), kInfinity};
     }
     rays += count;
-    tracer.kernels().nearest({batch.data(), count}, {found.data(), count});
+    tracer.nearest({batch.data(), count}, {found.data(), count});
     PointMask hits = 0;
     for (std::size_t i = 0; i < count; ++i) {
         if (tracer.hitHiddenBack(found[i])) hits |= PointMask(1u << number[i]);
@@ -134,7 +134,7 @@ PointMask TexelValidity::visibleFrom(const TexelPoints& points, int first, Point
         ++count;
     }
     rays += count;
-    paths_.surfaces().kernels().occluded({batch.data(), count}, {hidden.data(), count});
+    paths_.surfaces().occluded({batch.data(), count}, {hidden.data(), count});
     for (std::size_t i = 0; i < count; ++i) {
         if (!hidden[i]) visible |= PointMask(1u << number[i]);
     }
@@ -147,7 +147,7 @@ int TexelValidity::solidsLeft(const SurfacePoint& point, uint32_t id, int sample
     ++rays;
     const Ray ray{paths_.surfaces().rayOrigin(point), 0.0f, gatherDirection(point, sampler.next2()), kInfinity};
     int left = 0;
-    paths_.surfaces().kernels().crossings({&ray, 1}, {&left, 1});
+    paths_.surfaces().crossings({&ray, 1}, {&left, 1});
     return left;
 }
 

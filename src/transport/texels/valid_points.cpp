@@ -25,22 +25,24 @@ public:
         : paths_(paths), map_(map), progress_(progress), rays_(rays), validity_(paths), grid_(map)
     {}
 
-    /// Masks of the texels [begin, end). False when cancelled.
-    bool find(std::size_t begin, std::size_t end, std::span<PointMask> masks) const
+    /// Masks of the texels [begin, end).
+    Status find(std::size_t begin, std::size_t end, std::span<PointMask> masks) const
     {
         const std::vector<uint32_t> blocks = blocksOf(begin, end);
-        return parallelFor(blocks.size(), kGrain, progress_, kStage, [&](std::size_t first, std::size_t last) {
-            uint64_t traced = 0;
-            for (std::size_t i = first; i < last && !progress_.cancelled(); ++i) {
-                forChartsOf(blocks[i], [&](std::span<BlockTexel> members) {
-                    for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel < end;
-                    validity_.testBlock(members, traced);
-                    for (const BlockTexel& m : members)
-                        if (m.wanted) masks[m.texel - begin] = m.valid;
-                });
-            }
-            rays_ += traced;
-        });
+        const bool finished =
+            parallelFor(blocks.size(), kGrain, progress_, kStage, [&](std::size_t first, std::size_t last) {
+                uint64_t traced = 0;
+                for (std::size_t i = first; i < last && !progress_.cancelled() && !paths_.surfaces().failed(); ++i) {
+                    forChartsOf(blocks[i], [&](std::span<BlockTexel> members) {
+                        for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel < end;
+                        validity_.testBlock(members, traced);
+                        for (const BlockTexel& m : members)
+                            if (m.wanted) masks[m.texel - begin] = m.valid;
+                    });
+                }
+                rays_ += traced;
+            });
+        return paths_.surfaces().outcome(finished);
     }
 
 private:
@@ -105,23 +107,25 @@ private:
 
 } // namespace
 
-bool findValidPoints(const PathTracer& paths, TexelMap& map, const Store& store, const Progress& progress,
-                     std::atomic<uint64_t>& rays)
+Status findValidPoints(const PathTracer& paths, TexelMap& map, const Store& store, const Progress& progress,
+                       std::atomic<uint64_t>& rays)
 {
     std::vector<PointMask> masks;
-    const bool done = store.computed(kStage, masks, [&] {
+    const Status done = store.computed(kStage, masks, [&] {
         masks.resize(map.texels.size());
         const ValidPoints points(paths, map, progress, rays);
         return store.computedParts(kStage, std::span(masks), kPartTexels, [&](std::size_t begin, std::size_t end) {
             return points.find(begin, end, std::span(masks).subspan(begin, end - begin));
         });
     });
-    if (!done || masks.size() != map.texels.size()) return false;
+    if (!done) return done;
+    if (masks.size() != map.texels.size())
+        return Error{ErrorCode::FileInvalid, "the cache has validity of another map"};
     forEachIndex(masks.size(), [&](std::size_t i) { map.texels[i].validPoints = masks[i]; });
-    return true;
+    return {};
 }
 
-void findValidPoints(const PathTracer& paths, std::span<const SurfacePoint> points, std::span<uint8_t> out)
+Status findValidPoints(const PathTracer& paths, std::span<const SurfacePoint> points, std::span<uint8_t> out)
 {
     const TexelValidity validity(paths);
     parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -133,6 +137,7 @@ void findValidPoints(const PathTracer& paths, std::span<const SurfacePoint> poin
             out[i] = validity.validPoints(one, 1, uint32_t(i), rays) != 0 ? 1 : 0;
         }
     });
+    return paths.surfaces().outcome(true);
 }
 
 } // namespace halflight

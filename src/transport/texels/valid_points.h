@@ -11,10 +11,9 @@
 namespace halflight {
 
 /// As Integrator::findValidPoints(). Texels are tested in blocks (TexelValidity::testBlock()). `store`:
-/// keeps the result, and the parts of it that processes share. False when cancelled, and when a shared folder cannot be
-/// written.
-bool findValidPoints(const PathTracer& paths, TexelMap& map, const Store& store, const Progress& progress,
-                     std::atomic<uint64_t>& rays);
-void findValidPoints(const PathTracer& paths, std::span<const SurfacePoint> points, std::span<uint8_t> out);
+/// keeps the result, and the parts of it that processes share.
+Status findValidPoints(const PathTracer& paths, TexelMap& map, const Store& store, const Progress& progress,
+                       std::atomic<uint64_t>& rays);
+Status findValidPoints(const PathTracer& paths, std::span<const SurfacePoint> points, std::span<uint8_t> out);
 
 } // namespace halflight

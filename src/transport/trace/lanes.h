@@ -8,11 +8,14 @@
 
 namespace halflight {
 
-/// N vectors as three arrays.
-template<std::size_t N> struct alignas(32) Vec3Lanes {
-    std::array<float, N> x;
-    std::array<float, N> y;
-    std::array<float, N> z;
+/// Texels, receivers or rays that are worked on together: as many as a packet of rays has.
+inline constexpr int kLanes = 8;
+
+/// Vectors as three arrays.
+struct alignas(32) Vec3Lanes {
+    std::array<float, kLanes> x;
+    std::array<float, kLanes> y;
+    std::array<float, kLanes> z;
 
     void set(std::size_t lane, vec3 v)
     {
@@ -23,9 +26,9 @@ template<std::size_t N> struct alignas(32) Vec3Lanes {
     [[nodiscard]] vec3 operator[](std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
 };
 
-template<std::size_t N> struct alignas(32) Vec2Lanes {
-    std::array<float, N> x;
-    std::array<float, N> y;
+struct alignas(32) Vec2Lanes {
+    std::array<float, kLanes> x;
+    std::array<float, kLanes> y;
 
     void set(std::size_t lane, vec2 v)
     {

@@ -4,6 +4,8 @@
 #include "transport/trace/ray.h"
 #include "transport/trace/ray_scene.h"
 
+#include "halflight/base/result.h"
+
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -19,21 +21,22 @@ enum class RayUse { Light, Camera };
 
 /// Traces batches of rays. A result depends on its ray alone, but for rounding: rays that belong together are faster in
 /// one batch, and a batch of the same rays gives the same bits. `out` has one entry for each ray. All verbs may be
-/// called by several threads at once.
+/// called by several threads at once. An error means that the device is lost: `out` is undefined then, and all later
+/// calls fail too.
 class RayKernels {
 public:
     virtual ~RayKernels() = default;
 
     /// The nearest surface. A surface that covers part of its triangle is hit with that probability, by a hash of the
     /// ray. Where two surfaces lie back to back, a front is preferred to a hidden back.
-    virtual void nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use = RayUse::Light) const = 0;
+    virtual Status nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use = RayUse::Light) const = 0;
     /// Whether any shadow caster lies between tMin and tMax.
-    virtual void occluded(std::span<const Ray> rays, std::span<bool> out) const = 0;
+    virtual Status occluded(std::span<const Ray> rays, std::span<bool> out) const = 0;
     /// Fraction of light that passes: 0 behind an opaque surface, else the product of 1 - alpha of the blended ones.
-    virtual void transmittance(std::span<const Ray> rays, std::span<float> out) const = 0;
+    virtual Status transmittance(std::span<const Ray> rays, std::span<float> out) const = 0;
     /// Solids that a ray leaves on its way out of the scene, minus those that it enters; above 0, the origin is inside
     /// one. All surfaces count, however near to one another: solids may share a face. 0 for a ray through very many.
-    virtual void crossings(std::span<const Ray> rays, std::span<int> out) const = 0;
+    virtual Status crossings(std::span<const Ray> rays, std::span<int> out) const = 0;
 
     /// Shadow casters whose bounds are within a distance of a point, some of them more than once, and perhaps others
     /// near it. False if there are more than `most`, or the kernels cannot say.

@@ -2,6 +2,21 @@
 
 namespace halflight {
 
+void RayTracer::keep(const Error& error) const
+{
+    const std::lock_guard lock(mutex_);
+    if (failed()) return;
+    error_ = error;
+    failed_ = true;
+}
+
+Status RayTracer::outcome(bool finished) const
+{
+    if (!failed()) return finished ? Status() : cancelledError();
+    const std::lock_guard lock(mutex_);
+    return error_;
+}
+
 SurfaceHit RayTracer::surfaceAt(const RayHit& at) const
 {
     const uint32_t triangle = triangleAt(at.face.hitIndex);

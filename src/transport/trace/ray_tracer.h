@@ -1,7 +1,11 @@
 #pragma once
-// Single rays against the scene, and the surface at a hit.
+// Rays against the scene, the surface at a hit, and the error of a lost device.
 
 #include "transport/trace/ray_kernels.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
 
 namespace halflight {
 
@@ -26,28 +30,53 @@ public:
     [[nodiscard]] bool ok() const { return kernels_ != nullptr; }
     [[nodiscard]] const RayKernels& kernels() const { return *kernels_; }
 
-    /// RayKernels' verbs for one ray.
+    /// RayKernels' verbs, for code that goes on without their error: rays of a lost device meet nothing, and outcome()
+    /// says so at the end.
+    void nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use = RayUse::Light) const
+    {
+        if (Status status = kernels_->nearest(rays, out, use); !status) fail(status.error(), out, RayHit{});
+    }
+    void occluded(std::span<const Ray> rays, std::span<bool> out) const
+    {
+        if (Status status = kernels_->occluded(rays, out); !status) fail(status.error(), out, false);
+    }
+    void transmittance(std::span<const Ray> rays, std::span<float> out) const
+    {
+        if (Status status = kernels_->transmittance(rays, out); !status) fail(status.error(), out, 1.0f);
+    }
+    void crossings(std::span<const Ray> rays, std::span<int> out) const
+    {
+        if (Status status = kernels_->crossings(rays, out); !status) fail(status.error(), out, 0);
+    }
+
+    /// The same for one ray.
     [[nodiscard]] RayHit nearest(vec3 origin, vec3 direction, float tMin, float tMax, RayUse use = RayUse::Light) const
     {
         const Ray ray{origin, tMin, direction, tMax};
         RayHit hit;
-        kernels_->nearest({&ray, 1}, {&hit, 1}, use);
+        nearest({&ray, 1}, {&hit, 1}, use);
         return hit;
     }
     [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const
     {
         const Ray ray{origin, tMin, direction, tMax};
         bool hit = false;
-        kernels_->occluded({&ray, 1}, {&hit, 1});
+        occluded({&ray, 1}, {&hit, 1});
         return hit;
     }
     [[nodiscard]] float transmittance(vec3 origin, vec3 direction, float tMin, float tMax) const
     {
         const Ray ray{origin, tMin, direction, tMax};
         float share = 1.0f;
-        kernels_->transmittance({&ray, 1}, {&share, 1});
+        transmittance({&ray, 1}, {&share, 1});
         return share;
     }
+
+    /// Whether the device is lost: then no result counts.
+    [[nodiscard]] bool failed() const { return failed_.load(std::memory_order_relaxed); }
+    /// What a loop over rays returns: the error of a lost device, whichever thread met it first; else whether it was
+    /// `finished` or cancelled.
+    [[nodiscard]] Status outcome(bool finished) const;
 
     /// `at.found()` is true.
     [[nodiscard]] SurfaceHit surfaceAt(const RayHit& at) const;
@@ -61,7 +90,17 @@ public:
     [[nodiscard]] std::size_t peakBytes() const { return kernels_->peakBytes() + byteCount(); }
 
 private:
+    template<typename Out> void fail(const Error& error, std::span<Out> out, Out nothing) const
+    {
+        std::fill(out.begin(), out.end(), nothing);
+        keep(error);
+    }
+    void keep(const Error& error) const;
+
     std::unique_ptr<RayKernels> kernels_;
+    mutable std::mutex mutex_; ///< guards error_
+    mutable Error error_;
+    mutable std::atomic<bool> failed_ = false; ///< set after error_
 };
 
 } // namespace halflight

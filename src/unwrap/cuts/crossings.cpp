@@ -354,9 +354,8 @@ std::vector<uint8_t> copyableMeshes(const Scene& scene)
     }
     std::vector<uint8_t> copyable;
     for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-        std::size_t triangles = 0;
-        for (const MeshPart& part : scene.meshes[m].parts) triangles += part.indices.size() / 3;
-        copyable.push_back(users[m] < 2 || (users[m] - 1) * triangles < kMostCopied ? 1 : 0);
+        const std::size_t copied = users[m] < 2 ? 0 : (users[m] - 1) * scene.meshes[m].triangleCount();
+        copyable.push_back(copied < kMostCopied ? 1 : 0);
     }
     return copyable;
 }

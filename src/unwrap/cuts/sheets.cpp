@@ -146,7 +146,7 @@ bool doubleSheets(Scene& scene, const std::vector<std::vector<SheetTexels>>& tex
         Doubled doubled;
         std::size_t first = 0;
         for (const MeshPart& part : mesh.parts) {
-            const std::size_t count = part.indices.size() / 3;
+            const std::size_t count = part.triangleCount();
             addParts(part, std::span(ofMesh).subspan(first, count),
                      portions.empty() ? portions : portions.subspan(first, count), doubled);
             if (count == 0) doubled.parts.push_back(part);

@@ -16,7 +16,7 @@ namespace {
 std::string nameOf(const Mesh& mesh, std::size_t triangle)
 {
     for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
-        const std::size_t count = mesh.parts[p].indices.size() / 3;
+        const std::size_t count = mesh.parts[p].triangleCount();
         if (triangle < count) return fmt::format("part {}, triangle {}", p, triangle);
         triangle -= count;
     }

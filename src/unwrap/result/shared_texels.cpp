@@ -64,7 +64,7 @@ std::vector<Chunk> chunksOf(const std::vector<Drawn>& page)
     for (const Drawn& drawn : page) {
         std::size_t firstOfMesh = 0;
         for (const MeshPart& part : drawn.mesh->parts) {
-            const std::size_t count = part.indices.size() / 3;
+            const std::size_t count = part.triangleCount();
             for (std::size_t t = 0; t < count; t += kMost)
                 chunks.push_back({&drawn, &part, t, std::min(kMost, count - t), firstOfMesh});
             firstOfMesh += count;
@@ -188,7 +188,7 @@ Status checkSharedTexels(const UnwrappedScene& unwrapped, const std::vector<Grou
                 }
             });
         }
-        if (progress.cancelled()) return Error{ErrorCode::Cancelled, "unwrapping was cancelled", ""};
+        if (progress.cancelled()) return cancelledError();
         if (!good) return describe(chunks, pages[p], int(p), unwrapped.pageSize);
     }
     return {};

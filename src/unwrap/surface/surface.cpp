@@ -110,14 +110,11 @@ Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject, std::span<c
                      std::span<const float> texelWidths)
 {
     Surface surface;
-    std::size_t vertexCount = 0, triangleCount = 0;
-    for (const MeshPart& part : mesh.parts) {
-        vertexCount += part.positions.size();
-        triangleCount += part.indices.size() / 3;
-    }
+    std::size_t vertexCount = 0;
+    for (const MeshPart& part : mesh.parts) vertexCount += part.positions.size();
     std::unordered_map<std::array<uint32_t, 4>, uint32_t, PositionHash> welded; // by position and texel width
     welded.reserve(vertexCount);
-    surface.triangles.reserve(triangleCount);
+    surface.triangles.reserve(mesh.triangleCount());
     const auto weld = [&](vec3 position, float texelWidth) {
         const vec3 p = position + vec3(0.0f); // -0 becomes +0
         const std::array<uint32_t, 4> bits{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y),

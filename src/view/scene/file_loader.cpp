@@ -71,7 +71,7 @@ Result<FileLoader::Content> FileLoader::read(const Opening& opening, Renderer& r
 {
     Result<BakedScene> read = first_.read.valid() ? first_.read.get() : options_.loader.read(opening.file, first_.ends);
     if (!read) return read.error();
-    const Error ended{ErrorCode::Cancelled, "interrupted", ""};
+    const Error ended = cancelledError();
     if (first_.ends) return ended;
     Content content;
     content.baked = std::move(*read);

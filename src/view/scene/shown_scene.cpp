@@ -11,9 +11,7 @@ Statistics statisticsOf(const BakedScene& baked)
     Statistics s;
     s.objects = baked.scene.objects.size();
     for (const Object& object : baked.scene.objects)
-        if (object.mesh >= 0)
-            for (const MeshPart& part : baked.scene.meshes[std::size_t(object.mesh)].parts)
-                s.triangles += part.indices.size() / 3;
+        if (object.mesh >= 0) s.triangles += baked.scene.meshes[std::size_t(object.mesh)].triangleCount();
     s.lightmapPages = baked.lightmaps.size();
     std::size_t bytes = 0;
     for (const auto& page : baked.lightmaps) bytes += page.texelCount() * sizeof(uint32_t);

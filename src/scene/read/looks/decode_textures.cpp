@@ -9,7 +9,7 @@ namespace halflight {
 
 Status decodeTextures(const SourceDocument& document, std::vector<Texture>& textures, const std::atomic<bool>* cancel)
 {
-    const Error cancelled{ErrorCode::Cancelled, "interrupted", ""};
+    const Error cancelled = cancelledError();
     struct Encoded {
         int image = -1;
         std::vector<std::size_t> textures;
