@@ -79,26 +79,27 @@ Status denoiseStage(const BakeRun& run, const CachedIntegrator& cached, std::spa
     return {};
 }
 
-/// From estimates to encoded pages. `valid` serves the shadowmask too. Large arrays are released as soon as
-/// they are no longer needed.
+/// From estimates to encoded pages. Arrays are released as soon as they are no longer needed, `estimates` too.
 Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
-                          const std::vector<IrradianceEstimate>& estimates, const std::optional<MainLight>& main,
-                          const std::vector<SeamSample>& seams, std::vector<uint8_t>& valid)
+                          std::vector<IrradianceEstimate>& estimates, const std::optional<MainLight>& main,
+                          const std::vector<SeamSample>& seams, BakeReport& report)
 {
-    const BakeSettings& settings = run.settings;
     BakedScene& baked = run.baked();
     TexelValues values = splitEstimates(estimates);
+    std::vector<vec3> moments(report.quality.directional ? estimates.size() : 0);
+    forEachIndex(moments.size(), [&](std::size_t i) { moments[i] = estimates[i].moment; });
+    release(estimates);
     if (main) {
-        baked.defaultShadowColor = chooseShadowColor(*main, values.irradiance, values.valid, settings.subtractiveMask);
+        baked.defaultShadowColor =
+            chooseShadowColor(*main, values.irradiance, values.valid, run.settings.subtractiveMask);
         main->addTo(values.irradiance);
         main->addTo(values.direct);
     }
-    valid = std::move(values.valid);
-    StageTimer fillTimer(run.report(), "fill");
-    fillInvalid(cached.geometry, cached.map, valid, values.irradiance);
-    fillInvalid(cached.geometry, cached.map, valid, values.direct);
+    StageTimer fillTimer(report, "fill");
+    fillInvalid(cached.geometry, cached.map, values.valid, values.irradiance);
+    fillInvalid(cached.geometry, cached.map, values.valid, values.direct);
     fillTimer.finish();
-    StageTimer timer(run.report(), "seams");
+    StageTimer timer(report, "seams");
     std::vector<ImageRgb32f>& pages = run.result.irradiance;
     pages = dilate(cached.map, values.irradiance, kDilationRings);
     release(values.irradiance);
@@ -108,19 +109,15 @@ Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
     stitchSeams(cached.map, seams, weights, pages);
     timer.finish();
     if (run.progress.cancelled()) return cancelledError();
-    if (run.images != nullptr) run.noteImages(dumpPages(settings, "lightmap", pages, *run.images));
     // Until the bake ends, a main light is drawn in realtime, and must not come twice.
     if (run.live != nullptr && !main) run.live->finish(pages);
-    StageTimer encodeTimer(run.report(), "encode");
+    StageTimer encodeTimer(report, "encode");
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
     encodeTimer.finish();
-    if (!run.report().quality.directional) return {};
-    std::vector<vec3> moments;
-    moments.reserve(estimates.size());
-    for (const IrradianceEstimate& e : estimates) moments.push_back(e.moment);
+    if (!report.quality.directional) return {};
     if (main) main->addMomentTo(moments);
-    fillInvalid(cached.geometry, cached.map, valid, moments);
+    fillInvalid(cached.geometry, cached.map, values.valid, moments);
     std::vector<ImageRgb32f> momentPages = dilate(cached.map, moments, kDilationRings);
     stitchSeams(cached.map, seams, weights, momentPages);
     baked.lightmapDirections = encodeDirections(pages, momentPages);
@@ -149,28 +146,39 @@ void leaveOutLitPages(const TexelMap& map, std::vector<ImageRgba8>& pages)
         if (shadowed[page] == 0) pages[page] = {};
 }
 
+/// Pages of a mask layer, into the baked scene.
+void maskPagesStage(const BakeRun& run, const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
+                    const std::vector<SeamSample>& seams, int layer, std::vector<vec4> mask, BakeReport& report)
+{
+    BakedScene& baked = run.baked();
+    StageTimer timer(report, "mask pages");
+    const bool distances = run.settings.maskEncoding == MaskEncoding::Distance;
+    const std::span<MaskChannel, kLayerChannels> channels(&baked.maskChannels[std::size_t(layer * kLayerChannels)],
+                                                          kLayerChannels);
+    std::vector<ImageRgba8> pages = maskPages(cached, valid, seams, std::move(mask), distances, channels);
+    if (baked.maskLayers > 1) leaveOutLitPages(cached.map, pages);
+    for (std::size_t page = 0; page < pages.size(); ++page)
+        baked.shadowmasks[page * std::size_t(baked.maskLayers) + std::size_t(layer)] = std::move(pages[page]);
+    timer.finish();
+}
+
+/// Traces masks. Makes the pages of each layer in the background, which `pages` waits for.
 Status shadowmaskStage(const BakeRun& run, const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
-                       const std::vector<SeamSample>& seams)
+                       const std::vector<SeamSample>& seams, BakeReport& pagesReport, std::optional<Background>& pages)
 {
     BakedScene& baked = run.baked();
     if (run.settings.mode != MixedLightingMode::Shadowmask || !hasMask(baked.scene, run.settings.mode)) return {};
     StageTimer timer(run.report(), "shadowmask");
     const uint64_t before = cached.integrator.raysTraced();
-    const bool distances = run.settings.maskEncoding == MaskEncoding::Distance;
     baked.maskLayers = maskLayersOf(baked.scene);
-    baked.shadowmasks.resize(baked.lightmaps.size() * std::size_t(baked.maskLayers));
+    baked.shadowmasks.resize(std::size_t(cached.map.pageCount) * std::size_t(baked.maskLayers));
     for (int layer = 0; layer < baked.maskLayers; ++layer) {
         std::vector<vec4> mask = largeVector<vec4>(cached.map.texels.size());
         if (Status s = cached.shadowmask(layer, mask, run.progress); !s) return s;
-        const std::span<MaskChannel, kLayerChannels> channels(&baked.maskChannels[std::size_t(layer * kLayerChannels)],
-                                                              kLayerChannels);
-        std::vector<ImageRgba8> pages = maskPages(cached, valid, seams, std::move(mask), distances, channels);
-        if (baked.maskLayers > 1) leaveOutLitPages(cached.map, pages);
-        for (std::size_t page = 0; page < pages.size(); ++page)
-            baked.shadowmasks[page * std::size_t(baked.maskLayers) + std::size_t(layer)] = std::move(pages[page]);
-    }
-    for (LightReport& light : run.report().lights) {
-        light.distanceMask = light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
+        if (pages) pages->wait(); // one layer at a time, which bounds memory
+        pages.emplace([&, layer, traced = std::move(mask)]() mutable {
+            maskPagesStage(run, cached, valid, seams, layer, std::move(traced), pagesReport);
+        });
     }
     timer.finish(cached.integrator.raysTraced() - before);
     if (run.progress.cancelled()) return cancelledError();
@@ -217,6 +225,45 @@ Status reflectionStage(const BakeRun& run, const CachedIntegrator& cached)
     return {};
 }
 
+/// From estimates to pages, and all stages after them. Pages are made in the background while others trace: to make
+/// seams equal takes one thread a while.
+Status pagesAndProbes(const BakeRun& run, const CachedIntegrator& cached, std::vector<IrradianceEstimate>& estimates,
+                      const std::vector<SeamSample>& seams, const std::optional<MainLight>& main)
+{
+    const std::vector<uint8_t> valid = validTexels(estimates);
+    BakeReport lightmapReport; // of the background, which must not write to the bake's own
+    lightmapReport.began = run.report().began;
+    lightmapReport.quality = run.report().quality;
+    BakeReport maskReport = lightmapReport;
+    Status made;
+    Status traced;
+    Background lightmap([&] { made = lightmapPagesStage(run, cached, estimates, main, seams, lightmapReport); });
+    std::optional<Background> masks;
+    inIsolation([&] {
+        traced = shadowmaskStage(run, cached, valid, seams, maskReport, masks);
+        if (traced) traced = probeStage(run, cached);
+    });
+    lightmap.wait();
+    if (masks) masks->wait();
+    if (!traced) return traced;
+    if (!made) return made;
+    std::vector<StageReport>& stages = run.report().stages;
+    stages.insert(stages.end(), lightmapReport.stages.begin(), lightmapReport.stages.end());
+    stages.insert(stages.end(), maskReport.stages.begin(), maskReport.stages.end());
+    std::ranges::stable_sort(stages, {}, &StageReport::start);
+    if (run.images != nullptr) run.noteImages(dumpPages(run.settings, "lightmap", run.result.irradiance, *run.images));
+    BakedScene& baked = run.baked();
+    for (LightReport& light : run.report().lights)
+        light.distanceMask = light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
+    if (main) {
+        if (run.settings.subtractiveMask)
+            baked.shadowmasks = maskPages(cached, valid, seams, main->mask(), false,
+                                          std::span(baked.maskChannels).first<kLayerChannels>());
+        reportMainLight(baked, *main, run.settings, run.report());
+    }
+    return reflectionStage(run, cached);
+}
+
 /// All stages that trace rays or work on their results.
 Status traceStages(const BakeRun& run, const CachedIntegrator& cached)
 {
@@ -228,19 +275,7 @@ Status traceStages(const BakeRun& run, const CachedIntegrator& cached)
     if (Status s = dropHiddenSeams(cached.integrator, seams); !s) return s;
     timer.finish();
     if (Status s = denoiseStage(run, cached, seams, estimates); !s) return s;
-    std::vector<uint8_t> valid;
-    if (Status s = lightmapPagesStage(run, cached, estimates, main, seams, valid); !s) return s;
-    release(estimates);
-    if (Status s = shadowmaskStage(run, cached, valid, seams); !s) return s;
-    if (main) {
-        BakedScene& baked = run.baked();
-        if (run.settings.subtractiveMask)
-            baked.shadowmasks = maskPages(cached, valid, seams, main->mask(), false,
-                                          std::span(baked.maskChannels).first<kLayerChannels>());
-        reportMainLight(baked, *main, run.settings, run.report());
-    }
-    if (Status s = probeStage(run, cached); !s) return s;
-    return reflectionStage(run, cached);
+    return pagesAndProbes(run, cached, estimates, seams, main);
 }
 
 } // namespace

@@ -6,6 +6,8 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+#include <utility>
 
 #ifdef HALFLIGHT_SANITIZE_THREADS
 extern "C" void __tsan_acquire(void*); // NOLINT: ThreadSanitizer's
@@ -13,7 +15,6 @@ extern "C" void __tsan_release(void*); // NOLINT
 #endif
 
 namespace halflight {
-namespace {
 
 /// What ThreadSanitizer has to know of a parallelFor(): its bodies begin after the call and end before the return.
 /// oneTBB's own synchronization is not instrumented. Empty in other builds.
@@ -46,8 +47,6 @@ private:
     void joined() {}
 #endif
 };
-
-} // namespace
 
 ThreadLimit::ThreadLimit(int threads)
     : control_(threads > 0 ? new tbb::global_control(tbb::global_control::max_allowed_parallelism, std::size_t(threads))
@@ -83,6 +82,43 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
 void inIsolation(const std::function<void()>& body)
 {
     tbb::this_task_arena::isolate([&] { body(); });
+}
+
+class Background::Task {
+public:
+    explicit Task(std::function<void()> body) : body_(std::move(body))
+    {
+        group_.run([this] {
+            threads_.bodyBegins();
+            inIsolation(body_);
+            threads_.bodyEnds();
+        });
+    }
+    void wait()
+    {
+        group_.wait();
+        threads_.joined();
+    }
+
+private:
+    std::function<void()> body_;
+    ForkAndJoin threads_;
+    tbb::task_group group_;
+};
+
+Background::Background(std::function<void()> body) : task_(std::make_unique<Task>(std::move(body))) {}
+
+Background::~Background()
+{
+    try {
+        task_->wait();
+    } catch (...) { // the caller has left, and has an error of its own
+    }
+}
+
+void Background::wait()
+{
+    task_->wait();
 }
 
 } // namespace halflight

@@ -10,6 +10,7 @@
 #include "halflight/scene/written_bytes.h"
 #include "halflight/unwrap/unwrap.h"
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -117,10 +118,12 @@ struct MainLightReport {
     bool colorByBake = false; ///< the scene has no colour, so the bake chose it
 };
 
+/// Stages of pages run beside those that trace rays.
 struct StageReport {
     std::string name;
+    double start = 0.0; ///< seconds since the bake began
     double seconds = 0.0;
-    double cpuSeconds = 0.0; ///< of all threads; over `seconds`: how many cores the stage keeps busy
+    double cpuSeconds = 0.0; ///< of all threads meanwhile; over `seconds`: how many cores are busy
     uint64_t rays = 0;
 };
 
@@ -154,7 +157,8 @@ struct ProbeCheck {
 struct BakeReport {
     std::vector<LightReport> lights;
     std::optional<MainLightReport> mainLight; ///< of subtractive bakes that have one
-    std::vector<StageReport> stages;
+    std::vector<StageReport> stages;          ///< by start
+    std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
     std::vector<MeshUnwrapReport> meshes;
     std::vector<TwoSidedReport> twoSided;
     std::vector<std::string> warnings;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -71,6 +72,25 @@ template<typename Wanted> std::vector<uint32_t> indicesWhere(std::size_t count, 
 /// Calls body(); while a parallelFor() in it waits for other threads, the calling thread takes up work of this body
 /// alone. For large items of an outer parallelFor(), of which a thread would otherwise begin one within another.
 void inIsolation(const std::function<void()>& body);
+
+/// A function that another thread runs while the caller goes on; where there is none, wait() runs it. For long work of
+/// one thread beside stages that keep all others busy. The caller goes on inIsolation(): otherwise it would take up the
+/// function itself while it waits within a parallelFor().
+class Background {
+public:
+    explicit Background(std::function<void()> body);
+    /// Waits.
+    ~Background();
+    Background(const Background&) = delete;
+    Background& operator=(const Background&) = delete;
+
+    /// Returns when the function has. Throws what the function has thrown.
+    void wait();
+
+private:
+    class Task;
+    std::unique_ptr<Task> task_;
+};
 
 /// std::sort() on all threads: sorts blocks, then merges runs in pairs. For orders in which items that are neither
 /// before nor after one another are the same, so that there is one result.

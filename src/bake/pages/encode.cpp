@@ -63,14 +63,20 @@ std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages)
     return encoded;
 }
 
+std::vector<uint8_t> validTexels(const std::vector<IrradianceEstimate>& estimates)
+{
+    std::vector<uint8_t> valid(estimates.size());
+    forEachIndex(estimates.size(), [&](std::size_t i) { valid[i] = estimates[i].valid ? 1 : 0; });
+    return valid;
+}
+
 TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
 {
     const std::size_t count = estimates.size();
-    TexelValues values{largeVector<vec3>(count), largeVector<vec3>(count), std::vector<uint8_t>(count)};
+    TexelValues values{largeVector<vec3>(count), largeVector<vec3>(count), validTexels(estimates)};
     forEachIndex(count, [&](std::size_t i) {
         values.irradiance[i] = estimates[i].irradiance;
         values.direct[i] = estimates[i].direct;
-        values.valid[i] = estimates[i].valid ? 1 : 0;
     });
     return values;
 }

@@ -14,6 +14,8 @@ struct TexelValues {
     std::vector<vec3> direct;     ///< lux: IrradianceEstimate::direct
     std::vector<uint8_t> valid;   ///< 0: inside geometry
 };
+/// 1 for each texel that is not inside geometry.
+std::vector<uint8_t> validTexels(const std::vector<IrradianceEstimate>& estimates);
 TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates);
 
 /// Lux per unit of the encoded lightmap: the smallest power of two, 1 or more, for which no finite texel is clamped. A

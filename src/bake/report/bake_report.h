@@ -23,7 +23,8 @@ public:
     {}
     void finish(uint64_t rays = 0)
     {
-        report_.stages.push_back({name_, std::chrono::duration<double>(Clock::now() - start_).count(),
+        report_.stages.push_back({name_, std::chrono::duration<double>(start_ - report_.began).count(),
+                                  std::chrono::duration<double>(Clock::now() - start_).count(),
                                   processCpuSeconds() - cpuStart_, rays});
     }
 

@@ -45,8 +45,11 @@ std::string reportJson(const BakeReport& report)
     }
     json stages = json::array();
     for (const StageReport& stage : report.stages) {
-        stages.push_back(
-            {{"name", stage.name}, {"seconds", stage.seconds}, {"cpuSeconds", stage.cpuSeconds}, {"rays", stage.rays}});
+        stages.push_back({{"name", stage.name},
+                          {"start", stage.start},
+                          {"seconds", stage.seconds},
+                          {"cpuSeconds", stage.cpuSeconds},
+                          {"rays", stage.rays}});
     }
     json meshes = json::array();
     for (const MeshUnwrapReport& mesh : report.meshes) {

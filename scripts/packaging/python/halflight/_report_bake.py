@@ -150,8 +150,10 @@ class BakeStage(Record):
     """A part of a report."""
 
     name: str
+    # Seconds since the bake began.
+    start: float
     seconds: float
-    # Of all threads. Divided by seconds: how many cores the stage kept busy.
+    # Of all threads meanwhile. Divided by seconds: how many cores were busy.
     cpu_seconds: float
     rays: int
 
