@@ -162,9 +162,9 @@ void maskPagesStage(const BakeRun& run, const CachedIntegrator& cached, const st
     timer.finish();
 }
 
-/// Traces masks. Makes the pages of each layer in the background, which `pages` waits for.
+/// Traces masks. Makes the pages of each layer in the background.
 Status shadowmaskStage(const BakeRun& run, const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
-                       const std::vector<SeamSample>& seams, BakeReport& pagesReport, std::optional<Background>& pages)
+                       const std::vector<SeamSample>& seams, BakeReport& pagesReport, Background& pages)
 {
     BakedScene& baked = run.baked();
     if (run.settings.mode != MixedLightingMode::Shadowmask || !hasMask(baked.scene, run.settings.mode)) return {};
@@ -175,9 +175,9 @@ Status shadowmaskStage(const BakeRun& run, const CachedIntegrator& cached, const
     for (int layer = 0; layer < baked.maskLayers; ++layer) {
         std::vector<vec4> mask = largeVector<vec4>(cached.map.texels.size());
         if (Status s = cached.shadowmask(layer, mask, run.progress); !s) return s;
-        if (pages) pages->wait(); // one layer at a time, which bounds memory
-        pages.emplace([&, layer, traced = std::move(mask)]() mutable {
-            maskPagesStage(run, cached, valid, seams, layer, std::move(traced), pagesReport);
+        if (layer > 0) pages.wait(); // masks of two layers at one time, which bounds memory
+        pages.run([&run, &cached, &valid, &seams, &pagesReport, layer, mask = std::move(mask)]() mutable {
+            maskPagesStage(run, cached, valid, seams, layer, std::move(mask), pagesReport);
         });
     }
     timer.finish(cached.integrator.raysTraced() - before);
@@ -231,25 +231,22 @@ Status pagesAndProbes(const BakeRun& run, const CachedIntegrator& cached, std::v
                       const std::vector<SeamSample>& seams, const std::optional<MainLight>& main)
 {
     const std::vector<uint8_t> valid = validTexels(estimates);
-    BakeReport lightmapReport; // of the background, which must not write to the bake's own
-    lightmapReport.began = run.report().began;
-    lightmapReport.quality = run.report().quality;
-    BakeReport maskReport = lightmapReport;
+    BakeReport pagesReport; // of the background, which must not write to the bake's own
+    pagesReport.began = run.report().began;
+    pagesReport.quality = run.report().quality;
     Status made;
     Status traced;
-    Background lightmap([&] { made = lightmapPagesStage(run, cached, estimates, main, seams, lightmapReport); });
-    std::optional<Background> masks;
+    Background pages;
+    pages.run([&] { made = lightmapPagesStage(run, cached, estimates, main, seams, pagesReport); });
     inIsolation([&] {
-        traced = shadowmaskStage(run, cached, valid, seams, maskReport, masks);
+        traced = shadowmaskStage(run, cached, valid, seams, pagesReport, pages);
         if (traced) traced = probeStage(run, cached);
     });
-    lightmap.wait();
-    if (masks) masks->wait();
+    pages.wait();
     if (!traced) return traced;
     if (!made) return made;
     std::vector<StageReport>& stages = run.report().stages;
-    stages.insert(stages.end(), lightmapReport.stages.begin(), lightmapReport.stages.end());
-    stages.insert(stages.end(), maskReport.stages.begin(), maskReport.stages.end());
+    stages.insert(stages.end(), pagesReport.stages.begin(), pagesReport.stages.end());
     std::ranges::stable_sort(stages, {}, &StageReport::start);
     if (run.images != nullptr) run.noteImages(dumpPages(run.settings, "lightmap", run.result.irradiance, *run.images));
     BakedScene& baked = run.baked();

@@ -1,6 +1,8 @@
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
+#include <deque>
+#include <mutex>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
@@ -84,13 +86,16 @@ void inIsolation(const std::function<void()>& body)
     tbb::this_task_arena::isolate([&] { body(); });
 }
 
-class Background::Task {
+class Background::Queue {
 public:
-    explicit Task(std::function<void()> body) : body_(std::move(body))
+    void run(std::function<void()> body)
     {
+        const std::lock_guard lock(mutex_);
+        waiting_.push_back(std::move(body));
+        if (waiting_.size() > 1) return; // goes on with this one
         group_.run([this] {
             threads_.bodyBegins();
-            inIsolation(body_);
+            inIsolation([this] { runAll(); });
             threads_.bodyEnds();
         });
     }
@@ -101,24 +106,44 @@ public:
     }
 
 private:
-    std::function<void()> body_;
+    /// The function that runs stays at the front.
+    void runAll()
+    {
+        for (std::unique_lock lock(mutex_); !waiting_.empty(); waiting_.pop_front()) {
+            const std::function<void()> body = std::move(waiting_.front());
+            lock.unlock();
+            body();
+            lock.lock();
+        }
+    }
+
+    std::mutex mutex_;
+    std::deque<std::function<void()>> waiting_;
     ForkAndJoin threads_;
     tbb::task_group group_;
 };
 
-Background::Background(std::function<void()> body) : task_(std::make_unique<Task>(std::move(body))) {}
+Background::Background() : queue_(std::make_unique<Queue>()) {}
 
 Background::~Background()
 {
     try {
-        task_->wait();
+        queue_->wait();
     } catch (...) { // the caller has left, and has an error of its own
     }
 }
 
+void Background::run(std::function<void()> body)
+{
+    if (threadCount() > 1)
+        queue_->run(std::move(body));
+    else
+        body();
+}
+
 void Background::wait()
 {
-    task_->wait();
+    queue_->wait();
 }
 
 } // namespace halflight

@@ -73,23 +73,24 @@ template<typename Wanted> std::vector<uint32_t> indicesWhere(std::size_t count, 
 /// alone. For large items of an outer parallelFor(), of which a thread would otherwise begin one within another.
 void inIsolation(const std::function<void()>& body);
 
-/// A function that another thread runs while the caller goes on; where there is none, wait() runs it. For long work of
-/// one thread beside stages that keep all others busy. The caller goes on inIsolation(): otherwise it would take up the
-/// function itself while it waits within a parallelFor().
+/// Functions that another thread runs, one after another, while the caller goes on; run() runs them where there is one
+/// thread. For long work of one thread beside stages that keep all others busy. The caller goes on inIsolation():
+/// otherwise it would take up a function itself while it waits within a parallelFor().
 class Background {
 public:
-    explicit Background(std::function<void()> body);
+    Background();
     /// Waits.
     ~Background();
     Background(const Background&) = delete;
     Background& operator=(const Background&) = delete;
 
-    /// Returns when the function has. Throws what the function has thrown.
+    void run(std::function<void()> body);
+    /// Returns when all functions have. Throws what one of them has thrown.
     void wait();
 
 private:
-    class Task;
-    std::unique_ptr<Task> task_;
+    class Queue;
+    std::unique_ptr<Queue> queue_;
 };
 
 /// std::sort() on all threads: sorts blocks, then merges runs in pairs. For orders in which items that are neither

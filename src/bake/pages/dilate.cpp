@@ -60,6 +60,13 @@ template<typename T> void growWithinCharts(const TexelMap& map, const TexelGrid&
     }
 }
 
+/// A texel that others may take the value of.
+struct ValidTexel {
+    uint32_t texel = 0;
+    vec3 position{0.0f};
+    vec3 normal{0.0f};
+};
+
 /// Texels of `open` take the weighted mean of valid texels close by in the world, of any chart.
 template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const TexelMap& map,
                                          const std::vector<uint8_t>& valid, std::vector<uint8_t>& known,
@@ -74,19 +81,21 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
     for (const TexelPlace& place : missing) reach += float(kDilationRings + 1) * place.texelMeters / float(open.size());
     if (!(reach > 0.0f)) return;
     // Only grid cells next to a texel without value are filled.
-    std::unordered_map<uint64_t, std::vector<uint32_t>> grid;
+    std::unordered_map<uint64_t, std::vector<ValidTexel>> grid;
     for (const TexelPlace& place : missing) {
         const ivec3 cell = gridCell(place.position, reach);
         for (int n = 0; n < 27; ++n) grid.try_emplace(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1));
     }
-    auto cellOf = largeVector<std::vector<uint32_t>*>(map.texels.size(), nullptr);
+    auto cellOf = largeVector<std::vector<ValidTexel>*>(map.texels.size(), nullptr);
     forEachIndex(map.texels.size(), [&](std::size_t j) {
         if (!valid[j]) return;
         const auto cell = grid.find(gridKey(gridCell(placeOf(geometry, map, map.texels[j]).position, reach)));
         if (cell != grid.end()) cellOf[j] = &cell->second;
     });
-    for (const uint32_t j : indicesWhere(map.texels.size(), [&](std::size_t i) { return cellOf[i] != nullptr; }))
-        cellOf[j]->push_back(j);
+    for (const uint32_t j : indicesWhere(map.texels.size(), [&](std::size_t i) { return cellOf[i] != nullptr; })) {
+        const TexelPlace place = placeOf(geometry, map, map.texels[j]);
+        cellOf[j]->push_back({j, place.position, place.normal});
+    }
     std::vector<T> adopted(open.size());
     std::vector<uint8_t> found(open.size(), 0);
     parallelFor(open.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -95,13 +104,12 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
             T sum{};
             float weight = 0.0f;
             for (int n = 0; n < 27; ++n) {
-                for (const uint32_t j : grid.at(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1))) {
-                    const TexelPlace place = placeOf(geometry, map, map.texels[j]);
-                    const float distance = glm::distance(place.position, missing[i].position) / reach;
-                    const float facing = glm::dot(place.normal, missing[i].normal);
+                for (const ValidTexel& other : grid.at(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1))) {
+                    const float distance = glm::distance(other.position, missing[i].position) / reach;
+                    const float facing = glm::dot(other.normal, missing[i].normal);
                     if (distance >= 1.0f || facing <= kSameSideCosine) continue;
                     const float w = (1.0f - distance) * (facing - kSameSideCosine);
-                    sum += values[j] * w;
+                    sum += values[other.texel] * w;
                     weight += w;
                 }
             }
