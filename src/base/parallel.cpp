@@ -106,14 +106,22 @@ public:
     }
 
 private:
-    /// The function that runs stays at the front.
+    /// The function that runs stays at the front. One that throws takes the others with it.
     void runAll()
     {
-        for (std::unique_lock lock(mutex_); !waiting_.empty(); waiting_.pop_front()) {
+        std::unique_lock lock(mutex_);
+        while (!waiting_.empty()) {
             const std::function<void()> body = std::move(waiting_.front());
             lock.unlock();
-            body();
+            try {
+                body();
+            } catch (...) {
+                lock.lock();
+                waiting_.clear();
+                throw;
+            }
             lock.lock();
+            waiting_.pop_front();
         }
     }
 

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 #include <mutex>
+#include <new>
 #include <set>
 #include <thread>
 #include <vector>
@@ -115,6 +116,51 @@ TEST(ParallelForDeathTest, RacesOfBodiesAreFound)
     EXPECT_EXIT(withAnotherThread(), testing::ExitedWithCode(kExitCode), "data race");
 }
 #endif
+
+/// Functions end in their order, beside a caller that goes on in isolation, and when there is one thread.
+TEST(Background, FunctionsRunOneAfterAnother)
+{
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        constexpr int kFunctions = 20;
+        std::vector<int> order;
+        std::atomic<int> running = 0;
+        std::atomic<int> foreground = 0;
+        Background background;
+        inIsolation([&] {
+            for (int i = 0; i < kFunctions; ++i) {
+                background.run([&, i] {
+                    EXPECT_EQ(++running, 1);
+                    std::atomic<int> items = 0;
+                    parallelFor(64, 1, [&](std::size_t begin, std::size_t end) { items += int(end - begin); });
+                    EXPECT_EQ(items, 64);
+                    order.push_back(i);
+                    --running;
+                });
+                parallelFor(64, 1, [&](std::size_t begin, std::size_t end) { foreground += int(end - begin); });
+            }
+        });
+        background.wait();
+        EXPECT_EQ(foreground, 64 * kFunctions);
+        ASSERT_EQ(int(order.size()), kFunctions);
+        EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+    }
+}
+
+/// What a function throws comes out of wait(), or is dropped where the caller leaves.
+TEST(Background, ExceptionsReachTheCallerThatWaits)
+{
+    const ThreadLimit limit(4);
+    Background background;
+    background.run([] { throw std::bad_alloc(); });
+    EXPECT_THROW(background.wait(), std::bad_alloc);
+    bool goesOn = false;
+    background.run([&] { goesOn = true; });
+    background.wait();
+    EXPECT_TRUE(goesOn);
+    Background left;
+    left.run([] { throw std::bad_alloc(); });
+}
 
 TEST(ParallelSort, IsThatOfOneThread)
 {

@@ -85,7 +85,7 @@ public:
     Background& operator=(const Background&) = delete;
 
     void run(std::function<void()> body);
-    /// Returns when all functions have. Throws what one of them has thrown.
+    /// Returns when all functions have. Throws what one of them has thrown; those after it are dropped.
     void wait();
 
 private:
