@@ -38,28 +38,19 @@ Subject subjectOf(const std::string& text, const Scene& scene)
 
 const char* legendOf(DebugView view)
 {
-    switch (view) {
-    case DebugView::Lit:
-        return "The picture.";
-    case DebugView::Shadowmask:
-        return "Baked attenuation of channels 0, 1, 2 as red, green, blue: bright is lit. "
-               "Half as bright where channel 3 is in shadow.";
-    case DebugView::Lightmap:
-        return "Irradiance of the lightmap, as a white wall would show it.";
-    case DebugView::Probes:
-        return "Light of the probes on every surface.";
-    case DebugView::Cascades:
-        return "Cascades of directional lights: the nearest is red, then green, blue, yellow.";
-    case DebugView::Fade:
-        return "Where realtime shadows end: black within the shadow distance, white beyond.";
-    case DebugView::Overlap:
-        return "Lights with a mask channel, or for which none was left: none black, 1 blue, 2 green, 3 yellow, 4 red, "
-               "more white.";
-    case DebugView::Texels:
-        return "A square is a lightmap texel. Texels per metre: 1 or fewer blue, 4 cyan, 16 green, 64 yellow, "
-               "256 or more red; black: no lightmap.";
-    }
-    return "";
+    constexpr const char* kLegends[] = {
+        "The picture.",
+        "Baked attenuation of channels 0, 1, 2 as red, green, blue: bright is lit. "
+        "Half as bright where channel 3 is in shadow.",
+        "Irradiance of the lightmap, as a white wall would show it.",
+        "Light of the probes on every surface.",
+        "Cascades of directional lights: the nearest is red, then green, blue, yellow.",
+        "Where realtime shadows end: black within the shadow distance, white beyond.",
+        "Lights with a mask channel, or for which none was left: none black, 1 blue, 2 green, 3 yellow, 4 red, "
+        "more white.",
+        "A square is a lightmap texel. Texels per metre: 1 or fewer blue, 4 cyan, 16 green, 64 yellow, "
+        "256 or more red; black: no lightmap."};
+    return kLegends[int(view)];
 }
 
 RenderSettings settingsOfFrame(const ViewState& state, const std::vector<Bounds>& bounds, ivec2 size)
