@@ -11,7 +11,8 @@ import math
 import pathlib
 import sys
 
-from scenekit import gltf, mesh as m, parts, texture
+from scenekit import gltf, mesh as m, parts, vertices
+from scenekit.materials import materials
 from scenekit.mesh import Mesh
 from scenekit.parts import BAY, FLOOR
 
@@ -30,43 +31,6 @@ LIGHTMAP_SCALE = {"tree_crown": 0, "shrub": 0, "flowers": 0, "vine": 0, "vine_sh
                   "foundation": 0.1, "terrace": 0.5, "roof": 0.3, "roof_tiles": 0.2, "ridge": 0.3, "rafter": 0.4, "shutter": 0.5,
                   "balustrade": 0.6, "balustrade_short": 0.6, "stair_baluster": 0.6, "crate": 0.7, "barrel": 0.7, "lantern": 0.4,
                   "spot_bracket": 0.4, "spot_hood": 0.4, "wisp_arm": 0.4, "pot_small": 0.7, "stool": 0.6}
-
-
-def materials(doc):
-    t = {name: doc.texture(make(), name) for name, make in (
-        ("plaster", texture.plaster), ("limestone", texture.limestone), ("checker", texture.checker),
-        ("terracotta", texture.terracotta), ("wood", texture.wood),
-        ("pine", lambda: texture.wood((168, 122, 74), (214, 170, 112), 64)))}
-    color, normal = texture.paving()
-    t["paving"], t["paving_normal"] = doc.texture(color, "paving"), doc.texture(normal, "paving_normal")
-    t["leaf"] = doc.texture(texture.foliage(256, 71, (62, 98, 40), (128, 154, 70), 21, 0.27, 0.075), "leaf", repeat=False)
-    t["bloom"] = doc.texture(texture.foliage(128, 72, (190, 36, 112), (238, 104, 168), 25, 0.17, 0.13), "bloom", repeat=False)
-    t["olive"] = doc.texture(texture.foliage(256, 73, (92, 112, 72), (164, 172, 126), 33, 0.23, 0.034), "olive", repeat=False)
-    doc.material("plaster", texture=t["plaster"], roughness=0.95)
-    doc.material("whitewash", (0.92, 0.94, 0.98), texture=t["limestone"], roughness=0.95)
-    doc.material("stone", texture=t["limestone"], roughness=0.75)
-    doc.material("paving", texture=t["paving"], normal=t["paving_normal"], roughness=0.7)
-    doc.material("checker", texture=t["checker"], roughness=0.45)
-    doc.material("terracotta", texture=t["terracotta"], roughness=0.85)
-    doc.material("wood", texture=t["wood"], roughness=0.7)
-    doc.material("crate", texture=t["pine"], roughness=0.75)
-    doc.material("shutter", (0.09, 0.27, 0.25), roughness=0.6)
-    doc.material("iron", (0.05, 0.05, 0.055), roughness=0.55, metallic=0.3)
-    doc.material("wax", (0.9, 0.85, 0.7), roughness=0.6)
-    doc.material("water", (0.05, 0.2, 0.23), roughness=0.08)
-    doc.material("soil", (0.09, 0.06, 0.04), roughness=1.0)
-    doc.material("rug", (0.45, 0.09, 0.08), roughness=1.0)
-    doc.material("panel", (0.9, 0.8, 0.65), roughness=0.8, emissive=(1.0, 0.6, 0.27), strength=2.4)
-    doc.material("flame", (1.0, 0.8, 0.5), roughness=1.0, emissive=(1.0, 0.6, 0.22), strength=9.0)
-    for name in ("leaf", "bloom", "olive"):
-        doc.material(name, texture=t[name], roughness=0.8, mask=0.5, double_sided=True)
-    doc.material("red", (0.62, 0.06, 0.04), roughness=0.35)
-    doc.material("blue", (0.05, 0.16, 0.5), roughness=0.35)
-    doc.material("ochre", (0.78, 0.44, 0.07), roughness=0.4)
-    doc.material("ivory", (0.82, 0.78, 0.7), roughness=0.3)
-    doc.material("jade", (0.07, 0.4, 0.22), roughness=0.3)
-    doc.material("brass", (0.88, 0.62, 0.26), roughness=0.35, metallic=0.85)
-    doc.material("maple", (0.72, 0.46, 0.24), roughness=0.5)
 
 
 def shell(doc):
@@ -110,7 +74,7 @@ def shell(doc):
     m.grid_solid([-11, -10.6, -7.5, -7.45, ROOM[0], -6.7, DOOR[0], DOOR[1], WINDOW[0], WINDOW[1], ROOM[1], 6.7, 7.45, 7.5, 10.6, 11],
                  [-0.3, 0, FLOOR, WINDOW[2], DOOR[2], WINDOW[3], ROOM[4], 4.3, TERRACE, PARAPET, ROOF],
                  [-10.2, ROOM[2], ROOM[3], NORTH, -4.6, 4.1, 4.85, SOUTH, 8.0, 8.4], filled, sink)
-    m.check_closed([t for mesh in groups.values() for t in mesh.triangles], "shell")
+    vertices.check_closed([t for mesh in groups.values() for t in mesh.triangles], "shell")
     for name in sorted({key[0] for key in groups}):
         doc.mesh(name, [(mesh, key[1], key[2]) for key, mesh in sorted(groups.items(), key=lambda g: g[0]) if key[0] == name], closed=False)
         doc.node(name, name)

@@ -22,10 +22,6 @@ GENERATED = ("web/three/src/generated/", "scripts/packaging/python/halflight/_co
 OF_OTHERS = ("src/base/mathematics/",)
 
 LONGER = {
-    "scripts/make_courtyard.py": 402,
-    "scripts/scenekit/mesh.py": 519,
-    "src/scene/document/decode/decompress.cpp": 461,
-    "src/unwrap/charts/chart.cpp": 532,
     "tests/render/law_pixels_test.cpp": 470,
     "tests/render_plan/lights_test.cpp": 449,
     "tests/render_plan/probes_test.cpp": 464,

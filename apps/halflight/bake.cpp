@@ -110,6 +110,31 @@ Status writeOutput(const BakeOptions& options, bool isFormatGiven, BakeResult& r
     return writeSidecar(options.sidecarDirectory, options.output, result.baked, sidecar, result.report.warnings);
 }
 
+/// What the user learns of a bake whose files are written: the report's file, warnings, a summary.
+int reportBake(const BakeOptions& options, const BakeResult& result, const std::optional<ExportSummary>& exported)
+{
+    const std::string report = reportJson(result.report);
+    const std::string json = exported ? withExport(report, *exported) : report;
+    if (!options.reportFile.empty()) {
+        if (Status status = writeFileAtomically(options.reportFile, json); !status) {
+            return fail(options.reportFile, status.error());
+        }
+    }
+    // A picture that cannot be written names its own file.
+    if (!result.images) return fail({}, result.images.error());
+    if (!options.quiet) {
+        for (const std::string& warning : result.report.warnings) warn(options.scene, warning);
+        for (const std::string& warning : lightWarnings(result.report)) warn(options.scene, warning);
+    }
+    if (options.json) {
+        printJson(json);
+    } else if (!options.quiet) {
+        printBakeSummary(options, result.report);
+        if (exported) printExport(*exported);
+    }
+    return kOk;
+}
+
 } // namespace
 
 Result<Scene> readBakeScene(const BakeOptions& options)
@@ -196,26 +221,7 @@ int runBake(const CLI::App& app, const BakeOptions& given)
             result->report.warnings.push_back(cacheWarning(options.bake.cacheDirectory, status.error()));
     }
 
-    const std::string report = reportJson(result->report);
-    const std::string json = exported ? withExport(report, *exported) : report;
-    if (!options.reportFile.empty()) {
-        if (Status status = writeFileAtomically(options.reportFile, json); !status) {
-            return fail(options.reportFile, status.error());
-        }
-    }
-    // A picture that cannot be written names its own file.
-    if (!result->images) return fail({}, result->images.error());
-    if (!options.quiet) {
-        for (const std::string& warning : result->report.warnings) warn(options.scene, warning);
-        for (const std::string& warning : lightWarnings(result->report)) warn(options.scene, warning);
-    }
-    if (options.json) {
-        printJson(json);
-    } else if (!options.quiet) {
-        printBakeSummary(options, result->report);
-        if (exported) printExport(*exported);
-    }
-    return kOk;
+    return reportBake(options, *result, exported);
 }
 
 } // namespace halflight::cli

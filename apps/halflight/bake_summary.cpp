@@ -31,15 +31,9 @@ void printLights(const BakeReport& report)
 
 std::string_view densityReason(DensityFrom from)
 {
-    switch (from) {
-    case DensityFrom::Asked:
-        return "as asked";
-    case DensityFrom::Page:
-        return "what fits one page";
-    case DensityFrom::Scene:
-        return "by the scene's size (--texels-per-meter sets it)";
-    }
-    return "";
+    constexpr const char* kNames[] = {"as asked", "what fits one page",
+                                      "by the scene's size (--texels-per-meter sets it)"};
+    return kNames[int(from)];
 }
 
 void printBytes(const BakeReport& report)

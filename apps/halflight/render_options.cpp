@@ -158,6 +158,19 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
              "receivers move along their normal by this (default 0.5)");
 }
 
+/// `forFiles`: of which files, after a comma.
+void addRunOptions(CLI::App& app, RenderOptions& options, const std::string& forFiles)
+{
+    app.option_defaults()->group("Run");
+    app.add_option("--settings", options.settingsFile, "light and object settings by name pattern" + forFiles)
+        ->type_name("FILE.toml");
+    addEmissionUnit(app, options.emissionUnit);
+    addChoice<bool>(app, "--device", options.device.preferCpu, {{"auto", false}, {"cpu", true}},
+                    "Vulkan device: the best one, or the CPU driver (default auto)");
+    app.add_flag("--validation", options.device.validation,
+                 "turn the Vulkan validation layer on and fail when it complains");
+}
+
 } // namespace
 
 void applyRenderOptions(RenderOptions& options)
@@ -175,14 +188,7 @@ void addViewOptions(CLI::App& app, RenderOptions& options)
     addPictureOptions(app, options, "1");
     addCameraOptions(app, options);
     addShadowOptions(app, options);
-    app.option_defaults()->group("Run");
-    app.add_option("--settings", options.settingsFile, "light and object settings by name pattern")
-        ->type_name("FILE.toml");
-    addEmissionUnit(app, options.emissionUnit);
-    addChoice<bool>(app, "--device", options.device.preferCpu, {{"auto", false}, {"cpu", true}},
-                    "Vulkan device: the best one, or the CPU driver (default auto)");
-    app.add_flag("--validation", options.device.validation,
-                 "turn the Vulkan validation layer on and fail when it complains");
+    addRunOptions(app, options, "");
 }
 
 void addRenderOptions(CLI::App& app, RenderOptions& options)
@@ -210,14 +216,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& options)
     addUint(app, "--seed", options.seed, "random numbers of the reference (default 1)")->needs(reference);
     addInt(app, "--threads", options.threads, 0, 4096, "of the reference, 0 = all cores (default 0)")->needs(reference);
 
-    app.option_defaults()->group("Run");
-    app.add_option("--settings", options.settingsFile, "light and object settings by name pattern, for plain files")
-        ->type_name("FILE.toml");
-    addEmissionUnit(app, options.emissionUnit);
-    addChoice<bool>(app, "--device", options.device.preferCpu, {{"auto", false}, {"cpu", true}},
-                    "Vulkan device: the best one, or the CPU driver (default auto)");
-    app.add_flag("--validation", options.device.validation,
-                 "turn the Vulkan validation layer on and fail when it complains");
+    addRunOptions(app, options, ", for plain files");
     app.add_flag("--timings", options.render.timings,
                  "measure the passes on the GPU and print a table: milliseconds, draw calls, instances, triangles");
     app.add_flag("--json", options.json, "print a summary as JSON on standard output");

@@ -6,7 +6,7 @@ import pathlib
 import struct
 import sys
 
-from . import mesh as m
+from . import mesh as m, vertices
 
 
 def look_rotation(eye, target, up=(0.0, 1.0, 0.0)):
@@ -111,12 +111,12 @@ class Document:
         """parts: [(Mesh, material name, texture repeats per metre)]. Checked before it is stored; `closed` asks that the
         parts together bound solids."""
         if closed:
-            m.check_closed([t for part in parts for t in part[0].triangles], name)
+            vertices.check_closed([t for part in parts for t in part[0].triangles], name)
         primitives, triangles, points = [], 0, []
         for solid, material, density in parts:
             index, needs_tangents, textured = self.materials[material]
-            arrays = m.vertex_arrays(solid, density, crease, needs_tangents)
-            m.check_arrays(arrays, f"{name}/{material}")
+            arrays = vertices.vertex_arrays(solid, density, crease, needs_tangents)
+            vertices.check_arrays(arrays, f"{name}/{material}")
             if not textured:  # positions and normals alone, merged where only the coordinates differed
                 arrays = _without_uv(arrays)
             position, flat, _ = self._accessor(arrays["position"], "VEC3")

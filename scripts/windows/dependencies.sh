@@ -12,6 +12,7 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 top=$roots/windows
 prefix=$top/prefix
 flags="-O3 -DNDEBUG"
+small=$flags
 target=x86_64-w64-mingw32
 cc=$target-gcc-posix cxx=$target-g++-posix ar=$target-gcc-ar-posix
 export HALFLIGHT_WINDOWS_PREFIX=$prefix
@@ -38,13 +39,6 @@ build_headers() {
   echo 'add_library(tomlplusplus::tomlplusplus INTERFACE IMPORTED)' >"$prefix/lib/cmake/tomlplusplus/tomlplusplusConfig.cmake"
 }
 
-build_zlib() {
-  fetch zlib bookworm
-  local from=$top/sources/zlib
-  by_hand z $cc "" "$from"/{adler32,crc32,deflate,inflate,inftrees,inffast,trees,zutil,compress,uncompr,infback}.c
-  cp "$from"/{zlib,zconf}.h "$prefix/include"
-}
-
 build_onetbb() {
   fetch onetbb bookworm --tar-only
   by_cmake onetbb -DTBB_TEST=OFF -DTBB_STRICT=OFF -DTBB_ENABLE_IPO=OFF -DTBBMALLOC_BUILD=OFF
@@ -64,81 +58,9 @@ build_embree() {
     -DEMBREE_TASKING_SYSTEM=TBB -DEMBREE_MAX_ISA=NONE "${options[@]}"
 }
 
-build_libzstd() {
-  fetch libzstd bookworm
-  local from=$top/sources/libzstd/lib
-  # With its worker threads, which change the bytes of what it writes.
-  by_hand zstd $cc "-DZSTD_DISABLE_ASM -DZSTD_MULTITHREAD" "$from"/{common,compress,decompress}/*.c
-  cp "$from"/{zstd,zstd_errors,zdict}.h "$prefix/include"
-  pkgconfig libzstd 1.5.4 zstd
-}
-
-build_libpng() {
-  fetch libpng1.6 bookworm
-  local from=$top/sources/libpng1.6 sources=() part
-  cp "$from/scripts/pnglibconf.h.prebuilt" "$from/pnglibconf.h"
-  for part in "" error get mem pread read rio rtran rutil set trans wio write wtran wutil; do
-    sources+=("$from/png$part.c")
-  done
-  by_hand png $cc "-DPNG_INTEL_SSE_OPT=0 -I$prefix/include" "${sources[@]}"
-  cp "$from"/{png,pngconf,pnglibconf}.h "$prefix/include"
-}
-
 build_imath() {
   fetch imath bookworm
   by_cmake imath
-}
-
-build_openexr() {
-  fetch openexr bookworm
-  by_cmake openexr -DOPENEXR_BUILD_TOOLS=OFF -DOPENEXR_INSTALL_EXAMPLES=OFF -DOPENEXR_INSTALL_DOCS=OFF
-}
-
-# The decoder of meshes, with the features of Debian's package.
-build_draco() {
-  fetch draco bookworm
-  local from=$top/sources/draco/src/draco sources=()
-  packaged libdraco-dev bookworm include
-  sed -i /TRANSCODER/d "$prefix/include/draco/draco_features.h" # what that needs is not here
-  cp "$prefix/include/draco/draco_features.h" "$from"
-  mapfile -t sources < <(find "$from"/{attributes,core,mesh,metadata,point_cloud,compression/{attributes,bit_coders,entropy,mesh,point_cloud}} \
-    -name '*.cc' | grep -v -e encode -e _test -e test_utils)
-  by_hand draco $cxx "-std=c++17 -I$top/sources/draco/src" "${sources[@]}"
-  mkdir -p "$prefix/lib/cmake/draco"
-  printf 'add_library(draco::draco STATIC IMPORTED)\nset_target_properties(draco::draco PROPERTIES IMPORTED_LOCATION %s)\n' \
-    "$prefix/lib/libdraco.a" >"$prefix/lib/cmake/draco/draco-config.cmake"
-}
-
-build_libwebp() {
-  fetch libwebp bookworm
-  local from=$top/sources/libwebp
-  by_hand webp $cc "-msse2 -I$from" "$from"/src/{dec,dsp,enc,utils}/*.c "$from"/sharpyuv/*.c
-  mkdir -p "$prefix/include/webp"
-  cp "$from"/src/webp/{decode,encode,types}.h "$prefix/include/webp"
-  pkgconfig libwebp 1.2.4 webp
-}
-
-build_meshoptimizer() {
-  fetch meshoptimizer bookworm
-  sed -i "s/ -Werror//" "$top/sources/meshoptimizer/CMakeLists.txt" # of warnings of this compiler
-  by_cmake meshoptimizer
-}
-
-build_xxhash() {
-  fetch xxhash bookworm
-  by_hand xxhash $cc "" "$top/sources/xxhash/xxhash.c"
-  cp "$top/sources/xxhash/xxhash.h" "$prefix/include"
-  pkgconfig libxxhash 0.8.1 xxhash
-}
-
-build_fmt() {
-  fetch fmtlib bookworm
-  by_cmake fmtlib -DFMT_TEST=OFF -DFMT_DOC=OFF
-}
-
-build_spdlog() {
-  fetch spdlog bookworm
-  by_cmake spdlog -DSPDLOG_FMT_EXTERNAL=ON -DSPDLOG_BUILD_EXAMPLE=OFF
 }
 
 # Of all that is linked: the libraries, and the C and C++ libraries that come with MinGW.

@@ -137,12 +137,11 @@ std::string Device::driver() const
     return std::string(driver.driverName) + " " + driver.driverInfo;
 }
 
-/// A barrier between all commands that were submitted to the queue before and all that follow.
-static void waitForEarlierCommands(const Device& device, VkCommandBuffer commands)
+void waitForEarlier(const Device& device, VkCommandBuffer commands, VkPipelineStageFlags2 stage, VkAccessFlags2 writes)
 {
     const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                   .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                   .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                   .srcStageMask = stage,
+                                   .srcAccessMask = writes,
                                    .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                    .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
     const VkDependencyInfo dependency{
@@ -157,7 +156,7 @@ void Device::execute(const std::function<void(VkCommandBuffer)>& record)
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                          .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     check(vk.BeginCommandBuffer(commands_, &begin), "begin recording commands");
-    waitForEarlierCommands(*this, commands_);
+    waitForEarlier(*this, commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT);
     record(commands_);
     check(vk.EndCommandBuffer(commands_), "record commands");
     const VkCommandBufferSubmitInfo commandInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,

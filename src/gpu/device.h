@@ -106,4 +106,7 @@ private:
     VkFence fence_ = VK_NULL_HANDLE;
 };
 
+/// A barrier: all commands that follow see what was written by commands before, in `stage` and by `writes`.
+void waitForEarlier(const Device& device, VkCommandBuffer commands, VkPipelineStageFlags2 stage, VkAccessFlags2 writes);
+
 } // namespace halflight::gpu

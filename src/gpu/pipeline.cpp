@@ -109,6 +109,22 @@ UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLay
     return {device, layout};
 }
 
+/// How each of the pipeline's colours goes to its target.
+static std::vector<VkPipelineColorBlendAttachmentState> blendAttachments(const GraphicsPipelineInfo& info)
+{
+    const VkColorComponentFlags allComponents =
+        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    const VkBlendFactor targetFactor =
+        info.blend == Blend::Add ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+    return std::vector<VkPipelineColorBlendAttachmentState>(info.colorFormats.size(),
+                                                            {.blendEnable = info.blend != Blend::Replace,
+                                                             .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                             .dstColorBlendFactor = targetFactor,
+                                                             .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                             .dstAlphaBlendFactor = targetFactor,
+                                                             .colorWriteMask = allComponents});
+}
+
 UniquePipeline makePipeline(const Device& device, const GraphicsPipelineInfo& info)
 {
     std::vector<VkSpecializationMapEntry> entries;
@@ -150,17 +166,7 @@ UniquePipeline makePipeline(const Device& device, const GraphicsPipelineInfo& in
                                                       .depthTestEnable = info.depthTest,
                                                       .depthWriteEnable = info.depthWrite,
                                                       .depthCompareOp = info.depthCompare};
-    const VkColorComponentFlags allComponents =
-        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
-    const VkBlendFactor targetFactor =
-        info.blend == Blend::Add ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-    const std::vector<VkPipelineColorBlendAttachmentState> attachments(info.colorFormats.size(),
-                                                                       {.blendEnable = info.blend != Blend::Replace,
-                                                                        .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                                        .dstColorBlendFactor = targetFactor,
-                                                                        .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                                        .dstAlphaBlendFactor = targetFactor,
-                                                                        .colorWriteMask = allComponents});
+    const std::vector<VkPipelineColorBlendAttachmentState> attachments = blendAttachments(info);
     const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                     .attachmentCount = uint32_t(attachments.size()),
                                                     .pAttachments = attachments.data()};

@@ -99,8 +99,8 @@ UniqueSampler makeSampler(const Device& device, const SamplerInfo& info)
     return {device, sampler};
 }
 
-void transition(const Device& device, VkCommandBuffer commands, const Image& image, const ImageState& before,
-                const ImageState& after)
+void transition(const Device& device, VkCommandBuffer commands, VkImage image, const VkImageSubresourceRange& range,
+                const ImageState& before, const ImageState& after)
 {
     const VkImageMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
                                         .srcStageMask = before.stage,
@@ -111,11 +111,17 @@ void transition(const Device& device, VkCommandBuffer commands, const Image& ima
                                         .newLayout = after.layout,
                                         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                        .image = image.get(),
-                                        .subresourceRange = wholeImage(image.info())};
+                                        .image = image,
+                                        .subresourceRange = range};
     const VkDependencyInfo dependency{
         .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier};
     device.vk.CmdPipelineBarrier2(commands, &dependency);
+}
+
+void transition(const Device& device, VkCommandBuffer commands, const Image& image, const ImageState& before,
+                const ImageState& after)
+{
+    transition(device, commands, image.get(), wholeImage(image.info()), before, after);
 }
 
 Uploader::Uploader(Device& device)
@@ -212,14 +218,7 @@ void Uploader::finish()
     if (!pending_.empty())
         device_.execute([this](VkCommandBuffer commands) {
             for (const auto& copy : pending_) copy(commands);
-            const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                           .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-                                           .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                                           .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                           .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
-            const VkDependencyInfo dependency{
-                .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
-            device_.vk.CmdPipelineBarrier2(commands, &dependency);
+            waitForEarlier(device_, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
         });
     pending_.clear();
     used_ = 0;

@@ -126,6 +126,9 @@ inline constexpr ImageState kTransferSource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
 inline constexpr ImageState kTransferTarget{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
                                             VK_ACCESS_2_TRANSFER_WRITE_BIT};
 } // namespace state
+/// Barrier over a part of an image.
+void transition(const Device& device, VkCommandBuffer commands, VkImage image, const VkImageSubresourceRange& range,
+                const ImageState& before, const ImageState& after);
 /// Barrier over the whole image.
 void transition(const Device& device, VkCommandBuffer commands, const Image& image, const ImageState& before,
                 const ImageState& after);

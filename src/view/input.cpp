@@ -80,7 +80,7 @@ void Viewer::handleEvent(const SDL_Event& event)
         else if (event.key.keysym.sym == SDLK_ESCAPE && !io.WantTextInput && !bake_.runs() && !mayDropBake("Escape"))
             break;
         else if (!io.WantTextInput)
-            handleKey(state_, event.key.keysym.sym, (event.key.keysym.mod & kCommandKeys) != 0);
+            handleKey(state_, readings_, event.key.keysym.sym, (event.key.keysym.mod & kCommandKeys) != 0);
         break;
     case SDL_MOUSEWHEEL:
         if (!io.WantCaptureMouse) state_.navigator.dolly(std::pow(kDollyPerNotch, float(event.wheel.y)));

@@ -5,6 +5,7 @@
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/files_in_use.h"
 #include "halflight/scene/gltf.h"
+#include "view/state/changes.h"
 
 #include <SDL.h>
 #include <spdlog/fmt/fmt.h>
@@ -17,7 +18,7 @@ namespace halflight::view {
 /// Selects the object or light that a warning names, and looks at it.
 void Viewer::showSubject(std::size_t warning)
 {
-    const Subject subject = subjectOf(state_.warnings[warning], edited_.scene());
+    const Subject subject = subjectOf(readings_.warnings[warning], edited_.scene());
     if (subject.object >= 0) {
         state_.selectedObject = subject.object;
         frameSelection();
@@ -40,7 +41,7 @@ void Viewer::frameSelection()
 
 std::string Viewer::currentCommand() const
 {
-    if (state_.bakeStatus.hasResult)
+    if (readings_.bakeStatus.hasResult)
         return commandLine(state_, {bake_.file(), ""}, size_, edited_.scene(), shown_.baked().scene);
     return commandLine(state_, {files_.file().string(), options_.settingsFile.string()}, size_, edited_.scene(),
                        edited_.atLoad());
@@ -51,8 +52,8 @@ std::string Viewer::leftOutOfCommand() const
 {
     if (bake_.runs()) return "; the command line has no light of the bake that runs";
     if (bake_.hasUnsaved()) return "; its command line needs the saved bake (Ctrl-S)";
-    const bool changed = !state_.bakeStatus.hasResult || state_.bakeStatus.outOfDate;
-    const Scene& before = state_.bakeStatus.hasResult ? shown_.baked().scene : edited_.atLoad();
+    const bool changed = !readings_.bakeStatus.hasResult || readings_.bakeStatus.outOfDate;
+    const Scene& before = readings_.bakeStatus.hasResult ? shown_.baked().scene : edited_.atLoad();
     const std::string leftOut = leftOutOfCommandLine(state_, edited_.scene(), changed ? before : edited_.scene());
     return leftOut.empty() ? "" : "; the command line cannot say " + leftOut;
 }
@@ -93,14 +94,14 @@ Status Viewer::takeScreenshot()
 
 void Viewer::writeSettings()
 {
-    state_.bakeStatus.outcome = edited_.writeSettings(options_.settingsFile, files_.file());
-    notices_.tell(state_.bakeStatus.outcome);
+    readings_.bakeStatus.outcome = edited_.writeSettings(options_.settingsFile, files_.file());
+    notices_.tell(readings_.bakeStatus.outcome);
 }
 
 Status Viewer::answerRequests()
 {
     const Requests requests = std::exchange(state_.requests, {});
-    if (requests.warning && *requests.warning < state_.warnings.size()) showSubject(*requests.warning);
+    if (requests.warning && *requests.warning < readings_.warnings.size()) showSubject(*requests.warning);
     if (requests.camera) lookThrough(edited_.scene().cameras[std::size_t(*requests.camera)]);
     if (requests.frameSelection) frameSelection();
     if (requests.reload && (!shown_.any() || mayDropBake("F5"))) files_.open(renderer(), files_.file(), true);
@@ -114,7 +115,7 @@ Status Viewer::answerRequests()
     else if (requests.bake && !bake_.runs())
         bake_.start(std::make_unique<BakeSession>(edited_.scene(), state_.bake, embreeIntegrators()));
     if (requests.cancelBake) bake_.cancel();
-    if (requests.save && state_.bakeStatus.hasResult) {
+    if (requests.save && readings_.bakeStatus.hasResult) {
         FilesInUse read;
         addReadFiles(read, files_.file(), options_.settingsFile);
         addExternalFiles(read, externalFiles(edited_.atLoad()));

@@ -19,8 +19,8 @@ namespace halflight::view {
 
 Viewer::Viewer(const ViewOptions& options)
     : options_(options), notices_(options.say), first_(options), desktop_("halflight", options.render.size),
-      picture_(state_, notices_), files_(options, first_, desktop_), shown_(state_, first_.ends), comparison_(state_),
-      bake_(state_, shown_, comparison_, notices_)
+      picture_(state_, readings_, notices_), files_(options, first_, desktop_), shown_(state_, readings_, first_.ends),
+      comparison_(state_, readings_), bake_(state_, readings_, shown_, comparison_, notices_)
 {
     state_.settings = options.render;
     state_.settings.supersampling = std::max(options.render.supersampling, 1);
@@ -69,7 +69,7 @@ Status Viewer::run()
 void Viewer::startDevice()
 {
     device_.emplace(desktop_, options_.device);
-    state_.device = renderer().deviceName() + ", " + renderer().driver();
+    readings_.device = renderer().deviceName() + ", " + renderer().driver();
 }
 
 Status Viewer::recover(const Error& failure)
@@ -97,7 +97,7 @@ Status Viewer::turn()
     const Clock::time_point now = Clock::now();
     const float seconds = std::chrono::duration<float>(now - lastFrame_).count();
     lastFrame_ = now;
-    addFrame(state_.frameMilliseconds, 1000.0f * seconds);
+    addFrame(readings_.frameMilliseconds, 1000.0f * seconds);
     fly(seconds);
     comparison_.followReference(edited_, size_, device_->ui);
     try {
@@ -164,14 +164,14 @@ Status Viewer::showFile(FileLoader::Opened opened)
     files_.isShown(opened);
     edited_.beginFile(shown_.baked().scene);
     notices_.setWarnings(Notices::About::File, edited_.scene().warnings);
-    state_.title = opened.file.filename().string();
+    readings_.title = opened.file.filename().string();
     state_.bakeOutput = opened.file.stem().string() + "_baked.glb";
     state_.selectedLight = state_.selectedObject = -1;
     gizmo_.release();
     const bool quits = state_.requests.quit;
     state_.requests = {}; // of lights and objects that are gone
     state_.requests.quit = quits;
-    SDL_SetWindowTitle(desktop_.window(), ("halflight: " + state_.title).c_str());
+    SDL_SetWindowTitle(desktop_.window(), ("halflight: " + readings_.title).c_str());
     state_.settings.mode = mode;
     state_.otherMode = RunMode::Realtime; // what a bake is compared with
     if (!keepsView) place(content.camera, isFirst && options_.exposureEv ? options_.exposureEv : content.exposureEv);
@@ -227,7 +227,7 @@ Status Viewer::pollUpload()
     if (!*isShown) return {};
     bake_.uploadIsShown();
     // What changed while it was made or uploaded.
-    if (edited_.repeat(shown_.time(), renderer())) state_.bakeStatus.outOfDate = true;
+    if (edited_.repeat(shown_.time(), renderer())) readings_.bakeStatus.outOfDate = true;
     return {};
 }
 
@@ -275,8 +275,8 @@ void Viewer::buildPanels(bool isDrawn)
     panelInput_.beginFrame();
     ImGui::NewFrame();
     if (shown_.any()) {
-        state_.warnings = notices_.warnings();
-        drawPanels(state_, edited_.scene());
+        readings_.warnings = notices_.warnings();
+        drawPanels(state_, readings_, edited_.scene());
         if (state_.compares) comparison_.drawLine();
         if (state_.panels && state_.selectedObject >= 0)
             drawBounds(state_.navigator.camera(), edited_.boundsOf(state_.selectedObject));
@@ -284,7 +284,7 @@ void Viewer::buildPanels(bool isDrawn)
     }
     if (isDrawn) drawNotice();
     ImGui::Render();
-    if (edited_.change(state_.requests, renderer(), notices_)) state_.bakeStatus.outOfDate = true;
+    if (edited_.change(state_.requests, renderer(), notices_)) readings_.bakeStatus.outOfDate = true;
 }
 
 /// What is being done, or was said just now, at the bottom.

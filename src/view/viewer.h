@@ -84,6 +84,7 @@ private:
     const ViewOptions& options_;
     Notices notices_;
     ViewState state_;
+    Readings readings_;
     FirstFile first_;
     Desktop desktop_;
     EditedScene edited_;

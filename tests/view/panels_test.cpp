@@ -38,11 +38,11 @@ protected:
         int width = 0;
         int height = 0;
         io.Fonts->GetTexDataAsRGBA32(&texels, &width, &height);
-        state.modes = {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask};
-        state.passes = {{"depth", 3, 3, 100, 1.0}};
-        state.frameMilliseconds = {16.0f, 17.0f};
-        state.warnings = {"something is odd"};
-        state.title = "file.glb";
+        readings.modes = {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask};
+        readings.passes = {{"depth", 3, 3, 100, 1.0}};
+        readings.frameMilliseconds = {16.0f, 17.0f};
+        readings.warnings = {"something is odd"};
+        readings.title = "file.glb";
     }
     void TearDown() override { ImGui::DestroyContext(); }
 
@@ -50,7 +50,7 @@ protected:
     int frame()
     {
         ImGui::NewFrame();
-        drawPanels(state, scene);
+        drawPanels(state, readings, scene);
         ImGui::Render();
         return ImGui::GetDrawData()->TotalVtxCount;
     }
@@ -67,6 +67,7 @@ protected:
 
     Scene scene = smallScene();
     ViewState state;
+    Readings readings;
 };
 
 TEST(PanelScale, IsOneAtUsualDisplays)
@@ -102,27 +103,27 @@ TEST_F(Panels, GraphOfPassesHasAColumnForEachFrame)
         ImGui::NewFrame();
         ImGui::Begin("panels");
         ImGui::SetNextItemOpen(true);
-        frameSection(state);
+        frameSection(state, readings);
         ImGui::End();
         ImGui::Render();
         return ImGui::GetDrawData()->TotalVtxCount;
     };
-    state.frameMilliseconds.clear();
+    readings.frameMilliseconds.clear();
     vertices();
     const int none = vertices();
-    state.frameMilliseconds.assign(kShownFrames, 16.0f);
+    readings.frameMilliseconds.assign(kShownFrames, 16.0f);
     EXPECT_GE(vertices(), none + 100) << "the frames' own graph";
-    state.timed = true;
+    readings.timed = true;
     state.settings.timings = true;
     vertices();
     const int without = vertices();
-    state.passes = {{"depth", 3, 3, 100, 1.0}, {"light", 3, 3, 100, 2.0}};
-    for (int i = 0; i < 10; ++i) addFrame(state.passesOfFrames, state.passes);
+    readings.passes = {{"depth", 3, 3, 100, 1.0}, {"light", 3, 3, 100, 2.0}};
+    for (int i = 0; i < 10; ++i) addFrame(readings.passesOfFrames, readings.passes);
     vertices(); // the window takes its size
     const int some = vertices();
     EXPECT_GE(some, without + 10 * 2 * 4) << "a rectangle for each pass of each frame";
-    for (int i = 0; i < 1000; ++i) addFrame(state.passesOfFrames, state.passes);
-    EXPECT_EQ(state.passesOfFrames.size(), kShownFrames);
+    for (int i = 0; i < 1000; ++i) addFrame(readings.passesOfFrames, readings.passes);
+    EXPECT_EQ(readings.passesOfFrames.size(), kShownFrames);
     EXPECT_EQ(vertices(), some + int(kShownFrames - 10) * 2 * 4);
 }
 
@@ -181,7 +182,7 @@ TEST_F(Panels, SurviveRandomClicks)
     int requestedSwitches = 0;
     for (int i = 0; i < 12000; ++i) {
         click(float(random() % 360), float(random() % 2600));
-        if (i % 500 == 0) state.bakeStatus.running = !state.bakeStatus.running;
+        if (i % 500 == 0) readings.bakeStatus.running = !readings.bakeStatus.running;
         if (state.requests.light) {
             ++requestedLights;
             const auto& [index, light] = *state.requests.light;
@@ -214,47 +215,47 @@ TEST_F(Panels, SurviveRandomClicks)
 
 TEST_F(Panels, KeysDoWhatTheHelpSays)
 {
-    handleKey(state, SDLK_3, false);
+    handleKey(state, readings, SDLK_3, false);
     EXPECT_EQ(state.settings.mode, RunMode::Shadowmask);
-    handleKey(state, SDLK_5, false);
+    handleKey(state, readings, SDLK_5, false);
     EXPECT_EQ(state.settings.mode, RunMode::Shadowmask) << "the file has no data for subtractive";
-    handleKey(state, SDLK_p, false);
+    handleKey(state, readings, SDLK_p, false);
     EXPECT_EQ(state.settings.path, RenderPath::Deferred);
-    for (int i = 0; i < 8; ++i) handleKey(state, SDLK_v, false);
+    for (int i = 0; i < 8; ++i) handleKey(state, readings, SDLK_v, false);
     EXPECT_EQ(state.settings.view, DebugView::Lit) << "once round";
-    handleKey(state, SDLK_b, true);
+    handleKey(state, readings, SDLK_b, true);
     EXPECT_FALSE(state.requests.bake) << "with control it is another command";
-    handleKey(state, SDLK_b, false);
+    handleKey(state, readings, SDLK_b, false);
     EXPECT_TRUE(state.requests.bake);
-    handleKey(state, SDLK_TAB, false);
+    handleKey(state, readings, SDLK_TAB, false);
     EXPECT_FALSE(state.panels);
     for (const Compare with : {Compare::Mode, Compare::Reference}) {
-        handleKey(state, SDLK_c, false);
+        handleKey(state, readings, SDLK_c, false);
         EXPECT_TRUE(state.compares);
         EXPECT_EQ(state.compareWith, with);
     }
-    handleKey(state, SDLK_c, false);
+    handleKey(state, readings, SDLK_c, false);
     EXPECT_FALSE(state.compares);
-    state.hasEarlier = true;
-    handleKey(state, SDLK_c, false);
+    readings.hasEarlier = true;
+    handleKey(state, readings, SDLK_c, false);
     EXPECT_EQ(state.compareWith, Compare::BeforeBake);
-    handleKey(state, SDLK_r, false);
+    handleKey(state, readings, SDLK_r, false);
     EXPECT_EQ(state.compareWith, Compare::Reference);
-    handleKey(state, SDLK_r, false);
+    handleKey(state, readings, SDLK_r, false);
     EXPECT_FALSE(state.compares);
-    state.bakeStatus.running = true;
-    handleKey(state, SDLK_ESCAPE, false);
+    readings.bakeStatus.running = true;
+    handleKey(state, readings, SDLK_ESCAPE, false);
     EXPECT_TRUE(state.requests.cancelBake);
     EXPECT_FALSE(state.requests.quit);
-    handleKey(state, SDLK_ESCAPE, false);
+    handleKey(state, readings, SDLK_ESCAPE, false);
     EXPECT_TRUE(state.requests.quit) << "twice between two frames";
     state.requests = {};
-    state.bakeStatus.cancelled = true;
-    handleKey(state, SDLK_ESCAPE, false);
+    readings.bakeStatus.cancelled = true;
+    handleKey(state, readings, SDLK_ESCAPE, false);
     EXPECT_TRUE(state.requests.quit) << "nothing waits until the bake has ended";
     state.requests = {};
-    state.bakeStatus = {};
-    handleKey(state, SDLK_ESCAPE, false);
+    readings.bakeStatus = {};
+    handleKey(state, readings, SDLK_ESCAPE, false);
     EXPECT_TRUE(state.requests.quit);
 }
 

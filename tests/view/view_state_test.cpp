@@ -1,5 +1,5 @@
 // The command line of a view, and the user's changes as a settings file.
-#include "view/state/view_state.h"
+#include "view/state/changes.h"
 
 #include <gmock/gmock.h>
 

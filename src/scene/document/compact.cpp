@@ -1,27 +1,14 @@
 #include "scene/document/compact.h"
 
-#include <functional>
+#include "scene/document/references.h"
+
 #include <string_view>
 #include <vector>
 
 namespace halflight {
-
 namespace {
 
 using Visit = std::function<void(Json&)>;
-
-Json* find(Json& object, const char* key)
-{
-    if (!object.is_object()) return nullptr;
-    const auto it = object.find(key);
-    return it == object.end() ? nullptr : &*it;
-}
-
-void each(Json* list, const Visit& visit)
-{
-    if (list == nullptr || !list->is_structured()) return;
-    for (Json& item : *list) visit(item);
-}
 
 void visitMember(Json& object, const char* key, const Visit& visit)
 {

@@ -9,15 +9,11 @@ Json* find(Json& object, const char* key)
     return it == object.end() ? nullptr : &*it;
 }
 
-namespace {
-
-template<typename Visit> void each(Json* array, const Visit& visit)
+void each(Json* list, const std::function<void(Json&)>& visit)
 {
-    if (array == nullptr || !(array->is_array() || array->is_object())) return;
-    for (Json& item : *array) visit(item);
+    if (list == nullptr || !list->is_structured()) return;
+    for (Json& item : *list) visit(item);
 }
-
-} // namespace
 
 void visitAccessors(Json& document, const std::function<void(Json&)>& visit)
 {

@@ -20,5 +20,7 @@ void visitViews(Json& document, const std::function<void(Json&)>& visit);
 
 /// The member of an object; null where there is none, or where it is no object.
 Json* find(Json& object, const char* key);
+/// The items of an array or object; of null, and of others, there are none.
+void each(Json* list, const std::function<void(Json&)>& visit);
 
 } // namespace halflight

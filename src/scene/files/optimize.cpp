@@ -2,7 +2,6 @@
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/file.h"
-#include "scene/document/decode/decompress.h"
 #include "scene/document/decode/meshopt_encode.h"
 #include "scene/document/references.h"
 #include "scene/files/external_files.h"

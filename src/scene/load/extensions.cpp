@@ -1,7 +1,7 @@
 #include "scene/load/extensions.h"
 
 #include "halflight/base/text.h"
-#include "scene/document/decode/decompress.h"
+#include "scene/document/decode/compression.h"
 
 #include <algorithm>
 #include <set>

@@ -1,6 +1,7 @@
 #include "scene/load/load_document.h"
 
 #include "halflight/base/file.h"
+#include "scene/document/decode/compression.h"
 #include "scene/document/decode/decompress.h"
 #include "scene/document/fallback_buffers.h"
 #include "scene/document/uri.h"

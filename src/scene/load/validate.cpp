@@ -1,6 +1,6 @@
 #include "scene/load/validate.h"
 
-#include "scene/document/decode/decompress.h"
+#include "scene/document/decode/compression.h"
 #include "scene/document/fallback_buffers.h"
 #include "scene/document/references.h"
 #include "scene/document/types.h"

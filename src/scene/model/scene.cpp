@@ -13,45 +13,20 @@ std::size_t Mesh::triangleCount() const
 
 const char* nameOf(LightType type)
 {
-    switch (type) {
-    case LightType::Directional:
-        return "directional";
-    case LightType::Point:
-        return "point";
-    case LightType::Spot:
-        return "spot";
-    case LightType::Rectangle:
-        return "rectangle";
-    case LightType::Disk:
-        return "disk";
-    }
-    return "?";
+    constexpr const char* kNames[] = {"directional", "point", "spot", "rectangle", "disk"};
+    return kNames[int(type)];
 }
 
 const char* nameOf(LightMode mode)
 {
-    switch (mode) {
-    case LightMode::Realtime:
-        return "realtime";
-    case LightMode::Mixed:
-        return "mixed";
-    case LightMode::Baked:
-        return "baked";
-    }
-    return "?";
+    constexpr const char* kNames[] = {"realtime", "mixed", "baked"};
+    return kNames[int(mode)];
 }
 
 const char* nameOf(MixedLightingMode mode)
 {
-    switch (mode) {
-    case MixedLightingMode::BakedIndirect:
-        return "baked-indirect";
-    case MixedLightingMode::Shadowmask:
-        return "shadowmask";
-    case MixedLightingMode::Subtractive:
-        return "subtractive";
-    }
-    return "?";
+    constexpr const char* kNames[] = {"baked-indirect", "shadowmask", "subtractive"};
+    return kNames[int(mode)];
 }
 
 const char* nameOf(EmissionUnit unit)

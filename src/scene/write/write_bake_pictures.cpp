@@ -123,15 +123,8 @@ Error writingCancelled()
 
 const char* nameOf(LightmapFormat format)
 {
-    switch (format) {
-    case LightmapFormat::Rgb9e5:
-        return "rgb9e5";
-    case LightmapFormat::Half:
-        return "half";
-    case LightmapFormat::Webp:
-        return "webp";
-    }
-    return "";
+    constexpr const char* kNames[] = {"rgb9e5", "half", "webp"};
+    return kNames[int(format)];
 }
 
 Result<EncodedLightmaps> encodeLightmaps(const BakedScene& baked, const WriteOptions& options)

@@ -2,7 +2,7 @@
 
 #include "halflight/base/parallel.h"
 #include "unwrap/charts/atoms.h"
-#include "unwrap/charts/chart.h"
+#include "unwrap/charts/split_triangles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -303,8 +303,7 @@ private:
             uint32_t best = kNone;
             double most = -1.0;
             for (const uint32_t t : triangles) {
-                const double distance =
-                    glm::distance(from, (fine_.corner(t, 0) + fine_.corner(t, 1) + fine_.corner(t, 2)) / 3.0);
+                const double distance = glm::distance(from, fine_.centroid(t));
                 if (t == but || !(distance > most)) continue;
                 most = distance;
                 best = t;

@@ -4,6 +4,7 @@
 #include "unwrap/charts/cluster.h"
 #include "unwrap/charts/coarse.h"
 #include "unwrap/charts/merge.h"
+#include "unwrap/charts/split_triangles.h"
 
 #include <cmath>
 #include <functional>

@@ -29,6 +29,10 @@ struct Surface {
     [[nodiscard]] std::size_t triangleCount() const { return triangles.size(); }
     [[nodiscard]] bool degenerate(std::size_t triangle) const { return areas[triangle] <= 0.0; }
     [[nodiscard]] dvec3 corner(std::size_t triangle, int k) const { return positions[triangles[triangle][k]]; }
+    [[nodiscard]] dvec3 centroid(std::size_t triangle) const
+    {
+        return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3.0;
+    }
 };
 
 /// `worldFromObject` is the linear part only: it gives areas and lengths their world size, and may mirror or flatten.

@@ -18,9 +18,9 @@ template<typename T, typename Values, typename Name>
 bool choice(const char* label, T& value, const Values& values, const Name& name)
 {
     bool changed = false;
-    if (!ImGui::BeginCombo(label, name(value))) return false;
+    if (!ImGui::BeginCombo(label, std::string(name(value)).c_str())) return false;
     for (const T& each : values) {
-        if (!ImGui::Selectable(name(each), each == value)) continue;
+        if (!ImGui::Selectable(std::string(name(each)).c_str(), each == value)) continue;
         changed = each != value;
         value = each;
     }
@@ -44,12 +44,12 @@ template<typename T, typename Values> bool choice(const char* label, T& value, c
 }
 
 /// What is in the scene: panels_scene.cpp.
-void lightSection(ViewState& state, const Scene& scene);
+void lightSection(ViewState& state, const Readings& readings, const Scene& scene);
 void objectSection(ViewState& state, const Scene& scene);
-void warningSection(ViewState& state);
+void warningSection(ViewState& state, const Readings& readings);
 
 /// What a frame takes, and sizes: panels_frame.cpp.
-void frameSection(ViewState& state);
-void statisticsSection(const ViewState& state);
+void frameSection(ViewState& state, const Readings& readings);
+void statisticsSection(const Statistics& statistics);
 
 } // namespace halflight::view

@@ -18,29 +18,29 @@ namespace {
 constexpr std::array kViews = {DebugView::Lit,      DebugView::Shadowmask, DebugView::Lightmap, DebugView::Probes,
                                DebugView::Cascades, DebugView::Fade,       DebugView::Overlap,  DebugView::Texels};
 
-void compareChoices(ViewState& state)
+void compareChoices(ViewState& state, const Readings& readings)
 {
     ImGui::Checkbox("compare", &state.compares);
     if (!state.compares) return;
     std::vector<Compare> choices = {Compare::Mode, Compare::Reference};
-    if (state.hasEarlier) choices.push_back(Compare::BeforeBake);
+    if (readings.hasEarlier) choices.push_back(Compare::BeforeBake);
     choice("right of the line", state.compareWith, choices, [](Compare with) {
         constexpr const char* kNames[] = {"another mode", "before the bake", "the reference"};
         return kNames[int(with)];
     });
-    if (state.compareWith == Compare::Mode) choice("other mode", state.otherMode, state.modes);
+    if (state.compareWith == Compare::Mode) choice("other mode", state.otherMode, readings.modes);
     if (state.compareWith == Compare::Reference) {
-        const bool any = state.referenceSamples > 0;
-        say(any ? fmt::format("samples a pixel: {}", state.referenceSamples) : "it begins when the camera rests");
+        const bool any = readings.referenceSamples > 0;
+        say(any ? fmt::format("samples a pixel: {}", readings.referenceSamples) : "it begins when the camera rests");
     }
     ImGui::SliderFloat("line", &state.split, 0.0f, 1.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
 }
 
-void viewSection(ViewState& state, const Scene& scene)
+void viewSection(ViewState& state, const Readings& readings, const Scene& scene)
 {
     if (!ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
     RenderSettings& settings = state.settings;
-    choice("mode", settings.mode, state.modes);
+    choice("mode", settings.mode, readings.modes);
     choice("path", settings.path, std::array{RenderPath::Forward, RenderPath::Deferred});
     choice("shows", settings.view, kViews);
     if (settings.view != DebugView::Lit) ImGui::TextWrapped("%s", legendOf(settings.view));
@@ -56,7 +56,7 @@ void viewSection(ViewState& state, const Scene& scene)
     ImGui::Checkbox("specular", &settings.specular);
     ImGui::Checkbox("directional lightmaps", &settings.directionalLightmaps);
     ImGui::Checkbox("proxy volumes", &settings.proxyVolumes);
-    compareChoices(state);
+    compareChoices(state, readings);
     ImGui::Checkbox("vsync", &state.vsync);
     drag("flying m/s", state.speed, 0.05f, 0.01f, 1000.0f, "%.2f");
     for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
@@ -70,13 +70,13 @@ void viewSection(ViewState& state, const Scene& scene)
     if (ImGui::Button("reload the file")) state.requests.reload = true;
 }
 
-void shadowSection(ViewState& state)
+void shadowSection(ViewState& state, const Readings& readings)
 {
     if (!ImGui::CollapsingHeader("Realtime shadows")) return;
     ShadowSettings& shadows = state.settings.shadows;
     ImGui::Checkbox("reach all that is in view", &state.followsShadowDistance);
     if (state.followsShadowDistance)
-        say(fmt::format("distance {:.4g} m", state.shadowDistanceMeters));
+        say(fmt::format("distance {:.4g} m", readings.shadowDistanceMeters));
     else
         drag("distance m", shadows.distanceMeters, 0.1f, 0.01f, 100000.0f, "%.2f");
     drag("fade range m", shadows.fadeRangeMeters, 0.05f, 0.01f, 100000.0f, "%.2f");
@@ -86,20 +86,16 @@ void shadowSection(ViewState& state)
     choice("filter", shadows.filter, std::array{ShadowFilter::Hard, ShadowFilter::Pcf, ShadowFilter::Soft});
     ImGui::Checkbox("penumbrae by the light's size", &shadows.penumbrae);
     const auto sizes = std::array{256, 512, 1024, 2048, 4096, 8192};
-    static thread_local std::string text;
-    const auto nameOfSize = [](int size) {
-        text = fmt::format("{} texels", size);
-        return text.c_str();
-    };
+    const auto nameOfSize = [](int size) { return fmt::format("{} texels", size); };
     choice("cascade size", shadows.directionalMapSize, sizes, nameOfSize);
     choice("atlas size", shadows.atlasSize, sizes, nameOfSize);
     ImGui::Checkbox("shadows of point lights", &shadows.pointShadows);
 }
 
-void bakeSection(ViewState& state)
+void bakeSection(ViewState& state, const Readings& readings)
 {
     if (!ImGui::CollapsingHeader("Bake", ImGuiTreeNodeFlags_DefaultOpen)) return;
-    const BakeStatus& status = state.bakeStatus;
+    const BakeStatus& status = readings.bakeStatus;
     if (status.running) {
         const BakeSessionState& session = status.session;
         ImGui::ProgressBar(float(session.fraction), ImVec2(-FLT_MIN, 0.0f), session.stage.c_str());
@@ -125,7 +121,7 @@ void bakeSection(ViewState& state)
     ImGui::Checkbox("glossy bounces", &state.bake.glossyBounces);
     ImGui::Checkbox("bakes reflection probes", &state.bake.reflectionProbes);
     if (ImGui::Button("bake (B)")) state.requests.bake = true;
-    if (status.outOfDate && state.isBaked)
+    if (status.outOfDate && readings.isBaked)
         ImGui::TextWrapped("Lights or objects changed since the bake that is shown.");
     if (!status.outcome.empty()) ImGui::TextWrapped("%s", status.outcome.c_str());
     std::array<char, 1024> path{};
@@ -184,23 +180,23 @@ bool overPanels(const ViewState& state, vec2 place)
     return state.panels && place.x < panelWidth();
 }
 
-void drawPanels(ViewState& state, const Scene& scene)
+void drawPanels(ViewState& state, const Readings& readings, const Scene& scene)
 {
     if (!state.panels) return;
     ImGui::SetNextWindowPos(ImVec2(0.0f, 0.0f));
     ImGui::SetNextWindowSize(ImVec2(panelWidth(), ImGui::GetIO().DisplaySize.y));
     constexpr ImGuiWindowFlags kFixed =
         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse;
-    if (ImGui::Begin((shownName(state.title) + "###panels").c_str(), nullptr, kFixed)) {
+    if (ImGui::Begin((shownName(readings.title) + "###panels").c_str(), nullptr, kFixed)) {
         ImGui::PushItemWidth(11.0f * ImGui::GetFontSize());
-        viewSection(state, scene);
-        bakeSection(state);
-        shadowSection(state);
-        lightSection(state, scene);
+        viewSection(state, readings, scene);
+        bakeSection(state, readings);
+        shadowSection(state, readings);
+        lightSection(state, readings, scene);
         objectSection(state, scene);
-        frameSection(state);
-        statisticsSection(state);
-        warningSection(state);
+        frameSection(state, readings);
+        statisticsSection(readings.statistics);
+        warningSection(state, readings);
         if (ImGui::CollapsingHeader("Keys"))
             for (const std::string& line : keyHelp()) ImGui::TextWrapped("%s", line.c_str());
         ImGui::PopItemWidth();
@@ -211,11 +207,11 @@ void drawPanels(ViewState& state, const Scene& scene)
 namespace {
 
 /// Nothing, the light before the bake, another mode, the reference, in turn.
-void compareNext(ViewState& state)
+void compareNext(ViewState& state, const Readings& readings)
 {
     std::vector<Compare> choices = {Compare::Reference};
-    if (state.modes.size() > 1) choices.insert(choices.begin(), Compare::Mode);
-    if (state.hasEarlier) choices.insert(choices.begin(), Compare::BeforeBake);
+    if (readings.modes.size() > 1) choices.insert(choices.begin(), Compare::Mode);
+    if (readings.hasEarlier) choices.insert(choices.begin(), Compare::BeforeBake);
     const auto at = std::find(choices.begin(), choices.end(), state.compareWith);
     const bool last = at == choices.end() || at + 1 == choices.end();
     if (!state.compares)
@@ -227,17 +223,18 @@ void compareNext(ViewState& state)
 
 } // namespace
 
-void handleKey(ViewState& state, int key, bool control)
+void handleKey(ViewState& state, const Readings& readings, int key, bool control)
 {
     if (control) {
         if (key == SDLK_s) state.requests.save = true;
         return;
     }
     Requests& requests = state.requests;
-    const BakeStatus& status = state.bakeStatus;
+    const BakeStatus& status = readings.bakeStatus;
     if (key >= SDLK_1 && key <= SDLK_5) {
         const auto mode = RunMode(key - SDLK_1);
-        if (std::find(state.modes.begin(), state.modes.end(), mode) != state.modes.end()) state.settings.mode = mode;
+        if (std::find(readings.modes.begin(), readings.modes.end(), mode) != readings.modes.end())
+            state.settings.mode = mode;
         return;
     }
     switch (key) {
@@ -257,7 +254,7 @@ void handleKey(ViewState& state, int key, bool control)
         requests.expose = true;
         break;
     case SDLK_c:
-        compareNext(state);
+        compareNext(state, readings);
         break;
     case SDLK_r:
         state.compares = !(state.compares && state.compareWith == Compare::Reference);

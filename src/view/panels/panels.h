@@ -1,12 +1,12 @@
 #pragma once
-// The window's panels, by Dear ImGui. They read and write a ViewState, and know no Vulkan.
+// The window's panels, by Dear ImGui. They write a ViewState, and know no Vulkan.
 
 #include "view/state/view_state.h"
 
 namespace halflight::view {
 
 /// One window at the left with a section for each subject. `scene`: as it is drawn. Needs a current ImGui frame.
-void drawPanels(ViewState& state, const Scene& scene);
+void drawPanels(ViewState& state, const Readings& readings, const Scene& scene);
 /// Whether panels are drawn at a place of the window, or an open list may be.
 bool overPanels(const ViewState& state, vec2 place);
 
@@ -15,7 +15,7 @@ constexpr float kUsualDotsPerInch = 96.0f; ///< of displays for which panels are
 float panelScale(float dotsPerInch);
 
 /// Keys that are pressed outside of text fields; `key` is SDL's key code for letters, digits and F keys.
-void handleKey(ViewState& state, int key, bool control);
+void handleKey(ViewState& state, const Readings& readings, int key, bool control);
 
 /// What the keys do, a line each: "1 … 5  lighting mode".
 const std::vector<std::string>& keyHelp();

@@ -63,19 +63,19 @@ void passGraph(const std::vector<std::vector<PassReport>>& frames)
     }
 }
 
-void passTable(const ViewState& state)
+void passTable(const Readings& readings)
 {
     if (!ImGui::BeginTable("passes", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) return;
-    for (std::size_t i = 0; i < state.passes.size(); ++i) {
-        const PassReport& pass = state.passes[i];
+    for (std::size_t i = 0; i < readings.passes.size(); ++i) {
+        const PassReport& pass = readings.passes[i];
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
-        if (state.timed)
+        if (readings.timed)
             ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(colorOf(i)), "%s", pass.name.c_str());
         else
             say(pass.name);
         ImGui::TableNextColumn();
-        say(state.timed ? fmt::format("{:.3f} ms", pass.milliseconds) : "-");
+        say(readings.timed ? fmt::format("{:.3f} ms", pass.milliseconds) : "-");
         ImGui::TableNextColumn();
         say(fmt::format("{} draws", pass.draws));
     }
@@ -84,23 +84,22 @@ void passTable(const ViewState& state)
 
 } // namespace
 
-void frameSection(ViewState& state)
+void frameSection(ViewState& state, const Readings& readings)
 {
     if (!ImGui::CollapsingHeader("Frame")) return;
-    frameGraph(state.frameMilliseconds);
+    frameGraph(readings.frameMilliseconds);
     ImGui::Checkbox("measure passes", &state.settings.timings);
-    if (state.settings.timings && !state.timed && !state.passes.empty()) say("the device has no timestamps");
+    if (state.settings.timings && !readings.timed && !readings.passes.empty()) say("the device has no timestamps");
     if (state.settings.timings) {
-        passGraph(state.passesOfFrames);
-        passTable(state);
+        passGraph(readings.passesOfFrames);
+        passTable(readings);
     }
-    say(state.device);
+    say(readings.device);
 }
 
-void statisticsSection(const ViewState& state)
+void statisticsSection(const Statistics& s)
 {
     if (!ImGui::CollapsingHeader("Statistics")) return;
-    const Statistics& s = state.statistics;
     say(fmt::format("{} objects, {} triangles", s.objects, s.triangles));
     say(fmt::format("{} lightmap pages of {} x {}", s.lightmapPages, s.pageSize.x, s.pageSize.y));
     say(fmt::format("{:.1f} MB of lightmaps and masks", s.lightmapMegabytes));

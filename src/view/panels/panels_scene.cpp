@@ -27,14 +27,14 @@ constexpr float kMost = 1.0e9f;      // of intensities and colours, as options h
 constexpr float kLeastSide = 0.001f; // metres, of area lights
 constexpr float kMostSide = 1.0e5f;
 
-void lightEditor(ViewState& state, const Light& light)
+void lightEditor(ViewState& state, const Readings& readings, const Light& light)
 {
     Light changed = light;
     bool any = choice("light mode", changed.mode, std::array{LightMode::Realtime, LightMode::Mixed, LightMode::Baked});
     markForBake(true);
     const auto index = std::size_t(state.selectedLight);
-    if (index < state.maskChannels.size() && state.maskChannels[index] >= 0)
-        say(fmt::format("mask channel {}", state.maskChannels[index]));
+    if (index < readings.maskChannels.size() && readings.maskChannels[index] >= 0)
+        say(fmt::format("mask channel {}", readings.maskChannels[index]));
     const bool baked = light.mode != LightMode::Realtime;
     any |= ImGui::ColorEdit3("colour", &changed.color.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
     changed.color = glm::clamp(changed.color, vec3(0.0f), vec3(kMost)); // Dear ImGui limits it to 1 or not at all
@@ -88,7 +88,7 @@ void objectEditor(ViewState& state, const Object& object, const dvec3& originMet
 
 } // namespace
 
-void lightSection(ViewState& state, const Scene& scene)
+void lightSection(ViewState& state, const Readings& readings, const Scene& scene)
 {
     if (!ImGui::CollapsingHeader(fmt::format("Lights ({})###Lights", scene.lights.size()).c_str())) return;
     if (ImGui::BeginListBox("##lights", ImVec2(-FLT_MIN, 6.0f * ImGui::GetTextLineHeightWithSpacing()))) {
@@ -101,7 +101,7 @@ void lightSection(ViewState& state, const Scene& scene)
         ImGui::EndListBox();
     }
     if (state.selectedLight >= 0 && std::size_t(state.selectedLight) < scene.lights.size())
-        lightEditor(state, scene.lights[std::size_t(state.selectedLight)]);
+        lightEditor(state, readings, scene.lights[std::size_t(state.selectedLight)]);
 }
 
 void objectSection(ViewState& state, const Scene& scene)
@@ -125,19 +125,19 @@ void objectSection(ViewState& state, const Scene& scene)
         objectEditor(state, scene.objects[std::size_t(state.selectedObject)], scene.originMeters);
 }
 
-void warningSection(ViewState& state)
+void warningSection(ViewState& state, const Readings& readings)
 {
-    const std::string title = fmt::format("Warnings ({})###Warnings", state.warnings.size());
+    const std::string title = fmt::format("Warnings ({})###Warnings", readings.warnings.size());
     if (!ImGui::CollapsingHeader(title.c_str())) return;
-    for (std::size_t i = 0; i < state.warnings.size(); ++i) {
+    for (std::size_t i = 0; i < readings.warnings.size(); ++i) {
         ImGui::PushID(int(i));
         ImGui::Bullet();
         const ImVec2 size =
-            ImGui::CalcTextSize(state.warnings[i].c_str(), nullptr, false, ImGui::GetContentRegionAvail().x);
+            ImGui::CalcTextSize(readings.warnings[i].c_str(), nullptr, false, ImGui::GetContentRegionAvail().x);
         const ImVec2 at = ImGui::GetCursorPos();
         if (ImGui::Selectable("##warning", false, 0, ImVec2(0.0f, size.y))) state.requests.warning = i;
         ImGui::SetCursorPos(at);
-        ImGui::TextWrapped("%s", state.warnings[i].c_str());
+        ImGui::TextWrapped("%s", readings.warnings[i].c_str());
         ImGui::PopID();
     }
 }

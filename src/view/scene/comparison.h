@@ -16,7 +16,7 @@ namespace halflight::view {
 /// is made when it is first compared with, on other threads.
 class Comparison {
 public:
-    explicit Comparison(ViewState& state) : state_(state) {}
+    Comparison(ViewState& state, Readings& readings) : state_(state), readings_(readings) {}
 
     /// What was shown before the bake that has just ended; nothing: there is none.
     void keepEarlier(std::optional<BakedScene> earlier);
@@ -48,6 +48,7 @@ private:
     [[nodiscard]] RunMode earlierMode() const;
 
     ViewState& state_;
+    Readings& readings_;
     std::optional<BakedScene> earlier_;
     std::optional<ReferencePicture::Picture> pathTraced_; ///< the last one of this view
     float pathTracedEv_ = 0.0f;                           ///< its exposure on the screen

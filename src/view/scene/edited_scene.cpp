@@ -2,6 +2,7 @@
 
 #include "halflight/base/file.h"
 #include "halflight/render/frame.h"
+#include "view/state/changes.h"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -17,9 +17,9 @@ void LiveBake::start(std::unique_ptr<BakeSession> session)
     before_ = shown_.baked();
     beforeTime_ = shown_.time();
     modeBefore_ = state_.settings.mode;
-    resultBefore_ = state_.bakeStatus.hasResult;
-    state_.bakeStatus = {};
-    state_.bakeStatus.running = true;
+    resultBefore_ = readings_.bakeStatus.hasResult;
+    readings_.bakeStatus = {};
+    readings_.bakeStatus.running = true;
     notices_.setWarnings(Notices::About::Bake, {});
 }
 
@@ -32,7 +32,7 @@ void LiveBake::cancel()
 {
     if (!session_) return;
     session_->cancel();
-    state_.bakeStatus.cancelled = true;
+    readings_.bakeStatus.cancelled = true;
     notices_.note("the bake ends; Escape once more quits");
 }
 
@@ -44,28 +44,28 @@ void LiveBake::forget()
     end_.reset();
     irradiance_.clear();
     savedAs_.clear();
-    state_.bakeStatus = {};
+    readings_.bakeStatus = {};
     notices_.setWarnings(Notices::About::Bake, {});
 }
 
 Status LiveBake::poll(Renderer& renderer, float aspect, double pictureSeconds)
 {
     if (!session_) return {};
-    state_.bakeStatus.session = session_->state();
+    readings_.bakeStatus.session = session_->state();
     session_->setView(state_.navigator.camera(), aspect);
     if (shown_.isUploading()) return {};
     if (Status status = showProgress(renderer, pictureSeconds); !status) return status;
-    if (shown_.isUploading() || !state_.bakeStatus.session.finished) return {};
+    if (shown_.isUploading() || !readings_.bakeStatus.session.finished) return {};
     Result<BakeResult> result = session_->takeResult();
     session_.reset();
-    end(renderer, std::move(result), state_.bakeStatus.session.seconds);
+    end(renderer, std::move(result), readings_.bakeStatus.session.seconds);
     return {};
 }
 
 /// First light, then what has changed of it.
 Status LiveBake::showProgress(Renderer& renderer, double pictureSeconds)
 {
-    BakeStatus& status = state_.bakeStatus;
+    BakeStatus& status = readings_.bakeStatus;
     const char* name = "light of probes";
     std::optional<BakedScene> light = session_->takeProbeLight();
     if (std::optional<BakedScene> ofTexels = session_->takeLight()) {
@@ -120,7 +120,7 @@ void LiveBake::uploadIsShown()
 void LiveBake::lightIsShown(const char* name)
 {
     notices_.say(fmt::format("{} after {:.2f} s", name, session_->state().seconds));
-    state_.bakeStatus.firstLight = true;
+    readings_.bakeStatus.firstLight = true;
     state_.settings.mode = RunMode::BakedIndirect; // mixed lights have no mask before the end
     lastTiles_ = Clock::now();
 }
@@ -129,10 +129,10 @@ void LiveBake::endIsShown()
 {
     const End end = *std::exchange(end_, std::nullopt);
     state_.settings.mode = end.mode;
-    if (end.hasResult) state_.hasEarlier = true;
-    state_.bakeStatus = {};
-    state_.bakeStatus.hasResult = end.hasResult || resultBefore_; // what comes back may still be saved
-    state_.bakeStatus.outcome = end.outcome;
+    if (end.hasResult) readings_.hasEarlier = true;
+    readings_.bakeStatus = {};
+    readings_.bakeStatus.hasResult = end.hasResult || resultBefore_; // what comes back may still be saved
+    readings_.bakeStatus.outcome = end.outcome;
     notices_.tell(end.hasResult ? end.outcome : "bake: " + end.outcome);
 }
 
@@ -154,8 +154,8 @@ std::string LiveBake::write(FilesInUse files)
 
 void LiveBake::save(FilesInUse files)
 {
-    state_.bakeStatus.outcome = write(std::move(files));
-    notices_.tell(state_.bakeStatus.outcome);
+    readings_.bakeStatus.outcome = write(std::move(files));
+    notices_.tell(readings_.bakeStatus.outcome);
 }
 
 } // namespace halflight::view

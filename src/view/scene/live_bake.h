@@ -16,11 +16,11 @@
 namespace halflight::view {
 
 /// One bake at a time, and what the last one left. While it runs, what was shown before it is kept. A step waits until
-/// nothing is being uploaded, so that the next scene to be shown is that step's. ViewState's bakeStatus follows it.
+/// nothing is being uploaded, so that the next scene to be shown is that step's. Readings::bakeStatus follows it.
 class LiveBake {
 public:
-    LiveBake(ViewState& state, ShownScene& shown, Comparison& comparison, Notices& notices)
-        : state_(state), shown_(shown), comparison_(comparison), notices_(notices)
+    LiveBake(ViewState& state, Readings& readings, ShownScene& shown, Comparison& comparison, Notices& notices)
+        : state_(state), readings_(readings), shown_(shown), comparison_(comparison), notices_(notices)
     {}
 
     /// Bakes; where that fails or is cancelled, what is shown now is shown again.
@@ -42,7 +42,7 @@ public:
     /// `files`: what the window reads; none of it is replaced.
     void save(FilesInUse files);
     /// Whether a finished bake is shown that was not written.
-    [[nodiscard]] bool hasUnsaved() const { return state_.bakeStatus.hasResult && savedAs_.empty(); }
+    [[nodiscard]] bool hasUnsaved() const { return readings_.bakeStatus.hasResult && savedAs_.empty(); }
     /// That the finished bake was or will be written to.
     [[nodiscard]] const std::string& file() const { return savedAs_.empty() ? state_.bakeOutput : savedAs_; }
 
@@ -55,6 +55,7 @@ private:
     std::string write(FilesInUse files);
 
     ViewState& state_;
+    Readings& readings_;
     ShownScene& shown_;
     Comparison& comparison_;
     Notices& notices_;

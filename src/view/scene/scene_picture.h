@@ -14,13 +14,15 @@
 
 namespace halflight::view {
 
-/// Chooses how coarse each picture is, by the times of those before. Passes and shadow distance in ViewState, and the
+/// Chooses how coarse each picture is, by the times of those before. Passes and shadow distance in Readings, and the
 /// frame's warnings, are those of the last picture.
 class ScenePicture {
 public:
     using Clock = std::chrono::steady_clock;
 
-    ScenePicture(ViewState& state, Notices& notices) : state_(state), notices_(notices) {}
+    ScenePicture(const ViewState& state, Readings& readings, Notices& notices)
+        : state_(state), readings_(readings), notices_(notices)
+    {}
 
     /// Another file is shown. `coarseSeconds`: time of its coarse picture, if there was one.
     void beginFile(std::optional<double> coarseSeconds);
@@ -52,7 +54,8 @@ private:
         bool operator==(const Drawn&) const = default;
     };
 
-    ViewState& state_;
+    const ViewState& state_;
+    Readings& readings_;
     Notices& notices_;
     PictureDetails details_;
     std::optional<Drawn> last_;

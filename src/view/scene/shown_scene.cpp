@@ -37,13 +37,13 @@ std::vector<RunMode> modesOf(const BakedScene& baked)
 
 void ShownScene::take(BakedScene baked, TextureDetail textures, Clock::time_point time)
 {
-    state_.isBaked = baked.isBaked;
-    state_.maskChannels.clear();
-    for (const Light& light : baked.scene.lights) state_.maskChannels.push_back(light.baking.occlusionMaskChannel);
-    state_.modes = modesOf(baked);
-    state_.statistics = statisticsOf(baked);
+    readings_.isBaked = baked.isBaked;
+    readings_.maskChannels.clear();
+    for (const Light& light : baked.scene.lights) readings_.maskChannels.push_back(light.baking.occlusionMaskChannel);
+    readings_.modes = modesOf(baked);
+    readings_.statistics = statisticsOf(baked);
     const auto fits = [&](RunMode mode) {
-        return std::find(state_.modes.begin(), state_.modes.end(), mode) != state_.modes.end();
+        return std::find(readings_.modes.begin(), readings_.modes.end(), mode) != readings_.modes.end();
     };
     if (!fits(state_.settings.mode)) state_.settings.mode = defaultRunMode(baked);
     if (!fits(state_.otherMode)) state_.otherMode = RunMode::Realtime;

@@ -11,14 +11,16 @@
 
 namespace halflight::view {
 
-/// Keeps what the renderer draws, to go back to, to save, and to upload to another device. ViewState's modes and
-/// statistics are always those of this scene.
+/// Keeps what the renderer draws, to go back to, to save, and to upload to another device. The modes and
+/// statistics of Readings are always those of this scene.
 class ShownScene {
 public:
     using Clock = std::chrono::steady_clock;
 
     /// `ends` is set when the window closes: uploads end soon.
-    ShownScene(ViewState& state, const std::atomic<bool>& ends) : state_(state), ends_(ends) {}
+    ShownScene(ViewState& state, Readings& readings, const std::atomic<bool>& ends)
+        : state_(state), readings_(readings), ends_(ends)
+    {}
 
     [[nodiscard]] bool any() const { return baked_.has_value(); }
     [[nodiscard]] const BakedScene& baked() const { return *baked_; }
@@ -45,6 +47,7 @@ private:
     void upload(Renderer& renderer);
 
     ViewState& state_;
+    Readings& readings_;
     const std::atomic<bool>& ends_;
     std::optional<BakedScene> baked_;
     TextureDetail textures_ = TextureDetail::Full; ///< on the device

@@ -1,5 +1,5 @@
 #pragma once
-// What a user sees and changes in the window. Panels and keys write it; the viewer reads it each frame.
+// What a user changes in the window (ViewState) and sees there (Readings). The viewer reads both each frame.
 
 #include "halflight/bake/bake_session.h"
 #include "halflight/render/renderer.h"
@@ -73,10 +73,29 @@ template<typename T> void addFrame(std::vector<T>& frames, T added)
     frames.push_back(std::move(added));
 }
 
+/// What the window shows of its parts' work. They write it, panels only read it.
+struct Readings {
+    bool isBaked = false;          ///< the scene that is shown
+    std::vector<int> maskChannels; ///< of its lights; -1 none
+    std::vector<RunMode> modes;    ///< those that the file has data for
+    bool hasEarlier = false;       ///< light before the last bake is kept
+    int referenceSamples = 0;      ///< per pixel, of the picture that is shown
+    std::vector<PassReport> passes;
+    bool timed = false;
+    std::vector<float> frameMilliseconds;                ///< of the last frames, oldest first
+    std::vector<std::vector<PassReport>> passesOfFrames; ///< of those that were timed, oldest first
+    std::vector<std::string> warnings;                   ///< of the file, the bake and the frame
+    Statistics statistics;
+    BakeStatus bakeStatus;
+    std::string device;
+    std::string title;                 ///< file name
+    float shadowDistanceMeters = 0.0f; ///< of the last frame
+};
+
+/// What the user chose.
 struct ViewState {
     RenderSettings settings;           ///< its size is set for each frame
     bool followsShadowDistance = true; ///< shadows reach all that is in view
-    float shadowDistanceMeters = 0.0f; ///< of the last frame
     float exposureEv = 0.0f;
     ToneMapping toneMapping = ToneMapping::Neutral;
     bool panels = true;
@@ -94,22 +113,6 @@ struct ViewState {
     Requests requests;
 
     bool showsSelected = false; ///< an object was clicked: its section opens
-
-    // Shown, not changed by panels.
-    bool isBaked = false;          ///< the scene that is shown
-    std::vector<int> maskChannels; ///< of its lights; -1 none
-    std::vector<RunMode> modes;    ///< those that the file has data for
-    bool hasEarlier = false;       ///< light before the last bake is kept
-    int referenceSamples = 0;      ///< per pixel, of the picture that is shown
-    std::vector<PassReport> passes;
-    bool timed = false;
-    std::vector<float> frameMilliseconds;                ///< of the last frames, oldest first
-    std::vector<std::vector<PassReport>> passesOfFrames; ///< of those that were timed, oldest first
-    std::vector<std::string> warnings;                   ///< of the file, the bake and the frame
-    Statistics statistics;
-    BakeStatus bakeStatus;
-    std::string device;
-    std::string title; ///< file name
 };
 
 /// The object or light that a text names first, as whole words; of names at one place the longest.
@@ -123,22 +126,5 @@ const char* legendOf(DebugView view);
 
 /// The state's settings for a picture of this size. `bounds`: of the scene's objects.
 RenderSettings settingsOfFrame(const ViewState& state, const std::vector<Bounds>& bounds, ivec2 size);
-
-/// Files as the command line names them.
-struct CommandFiles {
-    std::string scene;
-    std::string settings; ///< of --settings; empty without
-};
-/// The command line that renders the same picture; of views steeper than 87 degrees, another roll of it. `scene` is as
-/// it is now, `atLoad` as the files have it.
-std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2 size, const Scene& scene,
-                        const Scene& atLoad);
-
-/// What was changed of lights and objects for the next bake, as a settings file; empty when nothing was.
-std::string settingsFile(const Scene& scene, const Scene& atLoad);
-
-/// What the two do not say of the changes, for people; empty where they say all.
-std::string leftOutOfCommandLine(const ViewState& state, const Scene& scene, const Scene& atLoad);
-std::string leftOutOfSettings(const Scene& scene, const Scene& atLoad);
 
 } // namespace halflight::view

@@ -12,20 +12,7 @@ namespace {
 void imageBarrier(const gpu::Device& device, VkCommandBuffer commands, VkImage image, const gpu::ImageState& before,
                   const gpu::ImageState& after)
 {
-    const VkImageMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                                        .srcStageMask = before.stage,
-                                        .srcAccessMask = before.access,
-                                        .dstStageMask = after.stage,
-                                        .dstAccessMask = after.access,
-                                        .oldLayout = before.layout,
-                                        .newLayout = after.layout,
-                                        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                        .image = image,
-                                        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
-    const VkDependencyInfo dependency{
-        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier};
-    device.vk.CmdPipelineBarrier2(commands, &dependency);
+    gpu::transition(device, commands, image, {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}, before, after);
 }
 
 /// Drawing waits for the acquired image in this stage.

@@ -18,6 +18,7 @@ namespace {
 template<typename Vec> Status morph(const SourceDocument& document, const tinygltf::Primitive& primitive,
                                     const std::vector<double>& weights, const char* attribute, std::vector<Vec>& values)
 {
+    if (values.empty()) return {};
     for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
         const auto it = primitive.targets[t].find(attribute);
         if (it == primitive.targets[t].end() || weights[t] == 0.0) continue;
@@ -91,6 +92,72 @@ mat2 linearPart(const TextureRef& ref)
     return mat2(vec2(c, -s) * ref.scale.x, vec2(s, c) * ref.scale.y); // columns
 }
 
+Result<std::vector<vec3>> readPositions(const SourceDocument& document, const tinygltf::Primitive& primitive,
+                                        int accessor, const std::vector<double>& weights, const std::string& path)
+{
+    auto positions = readVectors<3>(document, accessor);
+    if (!positions) return positions;
+    if (Status s = morph(document, primitive, weights, "POSITION", *positions); !s) return s.error();
+    for (std::size_t i = 0; i < positions->size(); ++i) {
+        if (!isFinite((*positions)[i]))
+            return invalid(path, "position " + std::to_string(i) + " is not a finite number");
+    }
+    return positions;
+}
+
+Result<std::vector<uint32_t>> readIndices(const SourceDocument& document, int accessor, std::size_t vertexCount,
+                                          const std::string& path)
+{
+    auto indices = readIntegers(document, accessor);
+    if (!indices) return indices;
+    for (const uint32_t index : *indices) {
+        if (index >= vertexCount) {
+            return invalid(path, "index " + std::to_string(index) + " is beyond the " + std::to_string(vertexCount) +
+                                     " vertices");
+        }
+    }
+    return indices;
+}
+
+std::vector<vec4> readColors(const SourceDocument& document, const tinygltf::Primitive& primitive,
+                             AttributeReader& attributes)
+{
+    const auto color = primitive.attributes.find("COLOR_0");
+    if (color == primitive.attributes.end()) return {};
+    if (document.model.accessors[std::size_t(color->second)].type != TINYGLTF_TYPE_VEC3)
+        return attributes.read<4>("COLOR_0");
+    std::vector<vec4> colors;
+    for (const vec3& c : attributes.read<3>("COLOR_0")) colors.emplace_back(c, 1.0f);
+    return colors;
+}
+
+/// Sets of texture coordinates that the material reads, and those that a lightmap may.
+void readTexCoords(const Material* material, AttributeReader& attributes, MeshPart& part)
+{
+    std::array<bool, kTexCoordSets> reads{true, true}; // the second may be a lightmap's layout
+    if (material != nullptr) {
+        for (const TextureRef* ref : material->textureRefs()) {
+            if (*ref) reads[std::size_t(ref->texCoord)] = true;
+        }
+    }
+    for (std::size_t n = 0; n < reads.size(); ++n) {
+        if (reads[n]) part.uv[n] = attributes.read<2>("TEXCOORD_" + std::to_string(n));
+    }
+}
+
+/// Of unit length, with signs of 1; none where one of them has no direction.
+void normalizeTangents(std::vector<vec4>& tangents)
+{
+    for (vec4& tangent : tangents) {
+        const float length = glm::length(vec3(tangent));
+        if (!(length > 1.0e-12f)) {
+            tangents.clear();
+            return;
+        }
+        tangent = vec4(vec3(tangent) / length, tangent.w < 0.0f ? -1.0f : 1.0f);
+    }
+}
+
 Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int meshIndex, int primitiveIndex,
                                          const std::vector<double>& weights, const std::vector<Material>& materials,
                                          MeshRead& read)
@@ -99,13 +166,13 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
     const tinygltf::Primitive& primitive = mesh.primitives[std::size_t(primitiveIndex)];
     const std::string path = pathOf("meshes", std::size_t(meshIndex)) + "/primitives/" + std::to_string(primitiveIndex);
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    const auto warn = [&](const std::string& what) { read.warnings.push_back(path + ": " + what); };
     const auto skip = [&](const std::string& reason) {
-        read.warnings.push_back(path + ": skipped, " + reason);
+        warn("skipped, " + reason);
         return std::optional<MeshPart>();
     };
-    if (mode < TINYGLTF_MODE_TRIANGLES) {
+    if (mode < TINYGLTF_MODE_TRIANGLES)
         return skip(mode == TINYGLTF_MODE_POINTS ? "points are not lit" : "lines are not lit");
-    }
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) return skip("it has no positions");
 
@@ -113,79 +180,39 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
     part.sourcePrimitive = primitiveIndex;
     part.material = primitive.material;
     part.side = markedSide(element(document.json, "materials", primitive.material));
-    auto positions = readVectors<3>(document, position->second);
+    auto positions = readPositions(document, primitive, position->second, weights, path);
     if (!positions) return positions.error();
     part.positions = std::move(*positions);
-    if (Status s = morph(document, primitive, weights, "POSITION", part.positions); !s) return s.error();
-    for (std::size_t i = 0; i < part.positions.size(); ++i) {
-        if (!isFinite(part.positions[i]))
-            return invalid(path, "position " + std::to_string(i) + " is not a finite number");
-    }
-
     std::vector<uint32_t> indices;
     if (primitive.indices >= 0) {
-        auto values = readIntegers(document, primitive.indices);
+        auto values = readIndices(document, primitive.indices, part.positions.size(), path);
         if (!values) return values.error();
-        for (const uint32_t index : *values) {
-            if (index >= part.positions.size()) {
-                return invalid(path, "index " + std::to_string(index) + " is beyond the " +
-                                         std::to_string(part.positions.size()) + " vertices");
-            }
-        }
         indices = std::move(*values);
     }
     const std::size_t listLength = primitive.indices >= 0 ? indices.size() : part.positions.size();
-    if (mode == TINYGLTF_MODE_TRIANGLES && listLength % 3 != 0) {
-        read.warnings.push_back(path + ": the last triangle is incomplete and left out");
-    }
+    if (mode == TINYGLTF_MODE_TRIANGLES && listLength % 3 != 0) warn("the last triangle is incomplete and left out");
     part.indices = trianglesOf(mode, indices, part.positions.size());
     if (part.indices.empty()) return skip("it has no triangle");
 
+    const Material* material = part.material >= 0 ? &materials[std::size_t(part.material)] : nullptr;
     AttributeReader attributes(document, primitive, path, read.warnings);
     part.normals = attributes.read<3>("NORMAL");
-    if (!part.normals.empty()) {
-        if (Status s = morph(document, primitive, weights, "NORMAL", part.normals); !s) return s.error();
-    }
-    std::array<bool, kTexCoordSets> reads{true, true}; // the second may be a lightmap's layout
-    if (part.material >= 0) {
-        for (const TextureRef* ref : materials[std::size_t(part.material)].textureRefs()) {
-            if (*ref) reads[std::size_t(ref->texCoord)] = true;
-        }
-    }
-    for (std::size_t n = 0; n < reads.size(); ++n) {
-        if (reads[n]) part.uv[n] = attributes.read<2>("TEXCOORD_" + std::to_string(n));
-    }
-    if (const auto color = primitive.attributes.find("COLOR_0"); color != primitive.attributes.end()) {
-        if (document.model.accessors[std::size_t(color->second)].type == TINYGLTF_TYPE_VEC3) {
-            for (const vec3& c : attributes.read<3>("COLOR_0")) part.colors.emplace_back(c, 1.0f);
-        } else {
-            part.colors = attributes.read<4>("COLOR_0");
-        }
-    }
+    if (Status s = morph(document, primitive, weights, "NORMAL", part.normals); !s) return s.error();
+    readTexCoords(material, attributes, part);
+    part.colors = readColors(document, primitive, attributes);
 
-    const TextureRef normalTexture =
-        part.material >= 0 ? materials[std::size_t(part.material)].normalTexture : TextureRef();
+    const TextureRef normalTexture = material != nullptr ? material->normalTexture : TextureRef();
     const std::vector<vec2>& tangentUv = part.uv[std::size_t(normalTexture.texCoord)];
     const bool needsTangents = bool(normalTexture) && !tangentUv.empty();
-    if (part.normals.empty()) {
+    if (part.normals.empty()) { // glTF ignores tangents then
         makeFlatNormals(part);
         ++read.flatParts;
     } else {
-        if (const std::size_t repaired = normalizeNormals(part); repaired > 0) {
-            read.warnings.push_back(path + ": " + std::to_string(repaired) + " normals of length 0 are replaced");
-        }
-        if (needsTangents) part.tangents = attributes.read<4>("TANGENT"); // without normals glTF ignores tangents
-        if (!part.tangents.empty()) {
-            if (Status s = morph(document, primitive, weights, "TANGENT", part.tangents); !s) return s.error();
-        }
-        for (vec4& tangent : part.tangents) {
-            const float length = glm::length(vec3(tangent));
-            if (!(length > 1.0e-12f)) {
-                part.tangents.clear();
-                break;
-            }
-            tangent = vec4(vec3(tangent) / length, tangent.w < 0.0f ? -1.0f : 1.0f);
-        }
+        if (const std::size_t repaired = normalizeNormals(part); repaired > 0)
+            warn(std::to_string(repaired) + " normals of length 0 are replaced");
+        if (needsTangents) part.tangents = attributes.read<4>("TANGENT");
+        if (Status s = morph(document, primitive, weights, "TANGENT", part.tangents); !s) return s.error();
+        normalizeTangents(part.tangents);
     }
     if (needsTangents && part.tangents.empty()) {
         makeTangents(part, std::vector<vec2>(tangentUv), linearPart(normalTexture));

@@ -1,5 +1,5 @@
 #include "scene/read/looks/read_materials.h"
-#include "scene/document/decode/decompress.h"
+#include "scene/document/decode/compression.h"
 #include "scene/format/material_sides.h"
 #include "scene/read/looks/decode_textures.h"
 
