@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <vector>
+
 namespace halflight {
 
 const char* nameOf(Quality quality)
@@ -29,42 +31,96 @@ const char* nameOf(DensityFrom from)
     return "";
 }
 
+namespace {
+
+using nlohmann::json;
+
+json jsonOf(const LightReport& light)
+{
+    return {{"name", light.name},
+            {"type", nameOf(light.type)},
+            {"mode", nameOf(light.authoredMode)},
+            {"bakedAs", nameOf(light.bakedAs)},
+            {"channel", light.channel},
+            {"reach", light.reachMeters},
+            {"maskEncoding", light.distanceMask ? "distance" : "attenuation"},
+            {"reason", light.reason}};
+}
+
+json jsonOf(const StageReport& stage)
+{
+    return {{"name", stage.name},
+            {"start", stage.start},
+            {"seconds", stage.seconds},
+            {"cpuSeconds", stage.cpuSeconds},
+            {"rays", stage.rays}};
+}
+
+json jsonOf(const MeshUnwrapReport& mesh)
+{
+    return {{"mesh", mesh.mesh},
+            {"kept", mesh.kept},
+            {"reason", mesh.reason},
+            {"charts", mesh.charts},
+            {"areaStretch", mesh.areaStretch}};
+}
+
+json jsonOf(const TwoSidedReport& object)
+{
+    return {{"object", object.object}, {"triangles", object.triangles}, {"texels", object.texels}};
+}
+
+json jsonOf(const WrittenLightmap& page)
+{
+    return {{"bytes", page.bytes}, {"meanError", page.meanError}, {"mostError", page.mostError}};
+}
+
+template<typename Record> json listOf(const std::vector<Record>& records)
+{
+    json list = json::array();
+    for (const Record& record : records) list.push_back(jsonOf(record));
+    return list;
+}
+
+json jsonOf(const MainLightReport& main)
+{
+    const vec3 color = main.shadowColor;
+    return {{"name", main.name},
+            {"mask", main.mask},
+            {"shadowColor", {color.r, color.g, color.b}},
+            {"shadowColorFromBake", main.colorByBake}};
+}
+
+json lightmapOf(const BakeReport& report)
+{
+    return {{"pages", report.pageCount},
+            {"size", report.pageSize},
+            {"charts", report.chartCount},
+            {"cuts", report.cuts},
+            {"coveredTexels", report.coveredTexels},
+            {"invalidTexels", report.invalidTexels},
+            {"texelsPerMeter", report.texelsPerMeter},
+            {"densityFrom", nameOf(report.densityFrom)},
+            {"coverage", report.atlasCoverage},
+            {"format", nameOf(report.written.lightmapFormat)},
+            {"written", listOf(report.written.lightmapPages)}};
+}
+
+json probesOf(const BakeReport& report)
+{
+    return {{"count", report.probeCount},
+            {"valid", report.validProbeCount},
+            {"check",
+             {{"places", report.probeCheck.places},
+              {"off", report.probeCheck.off},
+              {"meanError", report.probeCheck.meanError},
+              {"mostError", report.probeCheck.mostError}}}};
+}
+
+} // namespace
+
 std::string reportJson(const BakeReport& report)
 {
-    using nlohmann::json;
-    json lights = json::array();
-    for (const LightReport& light : report.lights) {
-        lights.push_back({{"name", light.name},
-                          {"type", nameOf(light.type)},
-                          {"mode", nameOf(light.authoredMode)},
-                          {"bakedAs", nameOf(light.bakedAs)},
-                          {"channel", light.channel},
-                          {"reach", light.reachMeters},
-                          {"maskEncoding", light.distanceMask ? "distance" : "attenuation"},
-                          {"reason", light.reason}});
-    }
-    json stages = json::array();
-    for (const StageReport& stage : report.stages) {
-        stages.push_back({{"name", stage.name},
-                          {"start", stage.start},
-                          {"seconds", stage.seconds},
-                          {"cpuSeconds", stage.cpuSeconds},
-                          {"rays", stage.rays}});
-    }
-    json meshes = json::array();
-    for (const MeshUnwrapReport& mesh : report.meshes) {
-        meshes.push_back({{"mesh", mesh.mesh},
-                          {"kept", mesh.kept},
-                          {"reason", mesh.reason},
-                          {"charts", mesh.charts},
-                          {"areaStretch", mesh.areaStretch}});
-    }
-    json twoSided = json::array();
-    for (const TwoSidedReport& object : report.twoSided)
-        twoSided.push_back({{"object", object.object}, {"triangles", object.triangles}, {"texels", object.texels}});
-    json written = json::array();
-    for (const WrittenLightmap& page : report.written.lightmapPages)
-        written.push_back({{"bytes", page.bytes}, {"meanError", page.meanError}, {"mostError", page.mostError}});
     json root = {
         {"integrator", report.integrator},
         {"identity", report.identity},
@@ -81,31 +137,13 @@ std::string reportJson(const BakeReport& report)
           {"bounces", report.quality.bounces},
           {"lightmapSize", report.quality.lightmapSize},
           {"probeSamples", report.quality.probeSamples}}},
-        {"lightmap",
-         {{"pages", report.pageCount},
-          {"size", report.pageSize},
-          {"charts", report.chartCount},
-          {"cuts", report.cuts},
-          {"coveredTexels", report.coveredTexels},
-          {"invalidTexels", report.invalidTexels},
-          {"texelsPerMeter", report.texelsPerMeter},
-          {"densityFrom", nameOf(report.densityFrom)},
-          {"coverage", report.atlasCoverage},
-          {"format", nameOf(report.written.lightmapFormat)},
-          {"written", std::move(written)}}},
+        {"lightmap", lightmapOf(report)},
         {"cache",
          {{"tiles", report.cache.tiles},
           {"same", report.cache.same},
           {"unchanged", report.cache.unchanged},
           {"kept", report.cache.kept}}},
-        {"probes",
-         {{"count", report.probeCount},
-          {"valid", report.validProbeCount},
-          {"check",
-           {{"places", report.probeCheck.places},
-            {"off", report.probeCheck.off},
-            {"meanError", report.probeCheck.meanError},
-            {"mostError", report.probeCheck.mostError}}}}},
+        {"probes", probesOf(report)},
         {"reflectionProbes", {{"count", report.reflectionProbeCount}, {"size", report.quality.reflectionSize}}},
         {"bytes",
          {{"file", report.written.file},
@@ -116,19 +154,13 @@ std::string reportJson(const BakeReport& report)
           {"reflectionProbes", report.written.reflections},
           {"probes", report.written.probes}}},
         {"triangles", report.triangleCount},
-        {"lights", std::move(lights)},
-        {"stages", std::move(stages)},
-        {"meshes", std::move(meshes)},
-        {"twoSided", std::move(twoSided)},
+        {"lights", listOf(report.lights)},
+        {"stages", listOf(report.stages)},
+        {"meshes", listOf(report.meshes)},
+        {"twoSided", listOf(report.twoSided)},
         {"warnings", report.warnings},
     };
-    if (const auto& main = report.mainLight) {
-        const vec3 color = main->shadowColor;
-        root["mainLight"] = {{"name", main->name},
-                             {"mask", main->mask},
-                             {"shadowColor", {color.r, color.g, color.b}},
-                             {"shadowColorFromBake", main->colorByBake}};
-    }
+    if (report.mainLight) root["mainLight"] = jsonOf(*report.mainLight);
     return root.dump(2, ' ', false, json::error_handler_t::replace);
 }
 
