@@ -26,10 +26,6 @@ LONGER = {
     "scripts/scenekit/mesh.py": 519,
     "src/scene/document/decode/decompress.cpp": 461,
     "src/unwrap/charts/chart.cpp": 532,
-    "tests/render/law_pixels_test.cpp": 470,
-    "tests/render_plan/lights_test.cpp": 449,
-    "tests/render_plan/probes_test.cpp": 464,
-    "tests/unwrap/unwrap_test.cpp": 565,
 }
 
 
