@@ -43,7 +43,7 @@ TEST_P(AreaLightS6, BakedLightIsTheFormFactors)
             worst = std::max(worst, std::abs(double(estimates[i].irradiance.x) - expected) / (expected + 0.1));
         }
         std::printf("%s: off by %.2f %% at most\n", nameOf(type), 100.0 * worst);
-        EXPECT_LT(worst, 0.01) << nameOf(type);
+        EXPECT_LT(worst, 0.015) << nameOf(type);
     }
 }
 
@@ -65,7 +65,7 @@ TEST_P(AreaLightS6, RangeAndBack)
         const double ratio = double(glm::distance(position, vec3(0, 1, 0))) / 2.0;
         const double window = std::max(1.0 - std::pow(ratio, 4.0), 0.0);
         const double expected = window * irradianceByHand(bench.scene.lights[0], position, vec3(0, 1, 0));
-        EXPECT_NEAR(estimates[i].irradiance.x, expected, 0.01 * expected + 0.005);
+        EXPECT_NEAR(estimates[i].irradiance.x, expected, 0.01 * expected + 0.01);
         dark += estimates[i].irradiance.x == 0.0f ? 1 : 0;
     }
     EXPECT_GT(dark, 100);

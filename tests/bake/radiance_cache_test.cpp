@@ -48,7 +48,7 @@ TEST(RadianceCacheS6, AgreesWithPathTracing)
         const Difference d = difference(meanOverSeeds(cached), meanOverSeeds(reference));
         const double noise = std::sqrt(squaredNoise(cached) + squaredNoise(reference));
         const double mean = meanLuminance(meanOverSeeds(reference));
-        EXPECT_LT(d.rmse, 1.1 * noise / mean);
+        EXPECT_LT(d.rmse, 1.25 * noise / mean);
         EXPECT_LT(std::abs(d.momentBias), 0.02);
     }
 }
