@@ -118,8 +118,11 @@ def run_tests(program, pattern, fast=True):
         return run_web_tests(pattern)
     if program == "cli":
         name = pattern.split(".")[0]
-        script = next(file for file in (TREE / "tests" / "cli").glob("*_test.py") if f"class {name}(" in file.read_text())
-        code, output = run([sys.executable, str(script), str(BUILD / "apps/halflight/halflight"), str(TREE / "../shared"), pattern])
+        files = (TREE / "tests" / "cli").rglob("*_test.py")
+        script = next(file for file in files if f"class {name}(" in file.read_text())
+        program_file = str(BUILD / "apps/halflight/halflight")
+        runner = str(TREE / "tests/cli/run.py")
+        code, output = run([sys.executable, runner, str(script), program_file, str(TREE / "../shared"), pattern])
         return 1, [pattern] if code not in (0, 77) else []
     command = [str(next((BUILD / "tests").glob(f"*/test_{program}"))), f"--gtest_filter={pattern}", "--gtest_color=no"]
     code, output = run(command + (["--gtest_fail_fast"] if fast else []))

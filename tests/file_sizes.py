@@ -4,9 +4,8 @@
     file_sizes.py ROOT          exit 1 and one line per file or function that is too long
     file_sizes.py --self-test   shows that each rule can fail
 
-A file has at most 400 lines. Files that were longer when the rule came may only shrink: LONGER has their limits, and a
-limit that a file no longer needs is an error too, so that the list ends some day. A Python function has at most 80
-lines. Generated files and those of others (src/base/mathematics) are exempt.
+A file has at most 400 lines, a Python function at most 80. Generated files and those of others (src/base/mathematics)
+are exempt.
 """
 
 import ast
@@ -21,13 +20,6 @@ SUFFIXES = {".h", ".cpp", ".py", ".glsl", ".vert", ".frag", ".js", ".jsx", ".mjs
 GENERATED = ("web/three/src/generated/", "scripts/packaging/python/halflight/_commands.py")
 OF_OTHERS = ("src/base/mathematics/",)
 
-LONGER = {
-    "tests/render/law_pixels_test.cpp": 470,
-    "tests/render_plan/lights_test.cpp": 449,
-    "tests/render_plan/probes_test.cpp": 464,
-    "tests/unwrap/unwrap_test.cpp": 565,
-}
-
 
 def long_functions(name, text):
     functions = (n for n in ast.walk(ast.parse(text)) if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef)))
@@ -37,9 +29,8 @@ def long_functions(name, text):
             yield f"{name}: {function.name}() has {lines} lines, at most {FUNCTION_LIMIT}: split it"
 
 
-def problems_of(root, longer):
+def problems_of(root):
     problems = []
-    seen = set()
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
             if path.suffix not in SUFFIXES or not path.is_file() or "node_modules" in path.parts:
@@ -47,17 +38,12 @@ def problems_of(root, longer):
             name = path.relative_to(root).as_posix()
             if name.startswith(GENERATED + OF_OTHERS):
                 continue
-            seen.add(name)
             text = path.read_text(encoding="utf-8", errors="replace")
             lines = len(text.splitlines())
             if path.suffix == ".py":
                 problems += long_functions(name, text)
-            limit = longer.get(name, LIMIT)
-            if lines > limit:
-                problems.append(f"{name}: {lines} lines, at most {limit}: split it by what it holds")
-            elif name in longer and lines <= LIMIT:
-                problems.append(f"{name}: {lines} lines: take it out of LONGER in tests/file_sizes.py")
-    problems += [f"{name}: is in LONGER of tests/file_sizes.py and does not exist" for name in longer if name not in seen]
+            if lines > LIMIT:
+                problems.append(f"{name}: {lines} lines, at most {LIMIT}: split it by what it holds")
     return problems
 
 
@@ -66,27 +52,23 @@ def self_test():
         root = pathlib.Path(folder)
         (root / "src").mkdir()
         (root / "src/short.cpp").write_text("\n" * LIMIT)
-        assert problems_of(root, {}) == []
+        assert problems_of(root) == []
         (root / "src/long.cpp").write_text("\n" * (LIMIT + 5))
-        assert len(problems_of(root, {})) == 1
-        assert problems_of(root, {"src/long.cpp": LIMIT + 5}) == []
-        assert len(problems_of(root, {"src/long.cpp": LIMIT + 4})) == 1
-        assert len(problems_of(root, {"src/long.cpp": LIMIT + 5, "src/short.cpp": 500})) == 1
-        assert len(problems_of(root, {"src/long.cpp": LIMIT + 5, "src/gone.cpp": 500})) == 1
+        assert len(problems_of(root)) == 1
         (root / "src/long.cpp").unlink()
         (root / "web/three/src/generated").mkdir(parents=True)
         (root / "web/three/src/generated/long.js").write_text("\n" * (LIMIT + 5))
-        assert problems_of(root, {}) == []
+        assert problems_of(root) == []
         (root / "web/three/src/long.js").write_text("\n" * (LIMIT + 5))
-        assert len(problems_of(root, {})) == 1
+        assert len(problems_of(root)) == 1
         (root / "web/three/src/long.js").unlink()
         (root / "src/base/mathematics").mkdir(parents=True)
         (root / "src/base/mathematics/long.cpp").write_text("\n" * (LIMIT + 5))
-        assert problems_of(root, {}) == []
+        assert problems_of(root) == []
         (root / "src/short.py").write_text("def fits():\n" + "    pass\n" * (FUNCTION_LIMIT - 1))
-        assert problems_of(root, {}) == []
+        assert problems_of(root) == []
         (root / "src/short.py").write_text("def long():\n" + "    pass\n" * FUNCTION_LIMIT)
-        assert len(problems_of(root, {})) == 1
+        assert len(problems_of(root)) == 1
 
 
 def main():
@@ -96,7 +78,7 @@ def main():
     if len(sys.argv) != 2:
         print(__doc__, file=sys.stderr)
         return 2
-    problems = problems_of(pathlib.Path(sys.argv[1]), LONGER)
+    problems = problems_of(pathlib.Path(sys.argv[1]))
     print("\n".join(problems) or "every file is short enough")
     return 1 if problems else 0
 

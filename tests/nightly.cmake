@@ -15,7 +15,7 @@ set(HALFLIGHT_NIGHTLY
     [[QualityS6\.(ClosedRoomsStayDark|DenoisingKeepsContactShadows)]]
     [[ProbesS14\.DenoisingComesCloserInLightAndDirection]]
     [[BakeSession\.EndsSoonWhenCancelledAtAHundredMoments]]
-    [[CacheTest\.AnInterruptedBakeGoesOn]]
+    [[InterruptedBake.*]]
     [[KeptAndNewLayoutsOfOneMesh\..*]]
     [[UnwrapLarge\..*]]
     [[Validator\.BakedSharedScenesHaveNoErrors]]

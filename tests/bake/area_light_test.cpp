@@ -5,6 +5,7 @@
 #include "bake/cache/cached_integrator.h"
 #include "bake/geometry/indices.h"
 #include "bake/lights/channels.h"
+#include "bake/seeds.h"
 
 #include "halflight/shading/sh.h"
 
@@ -42,7 +43,7 @@ TEST_P(AreaLightS6, BakedLightIsTheFormFactors)
             worst = std::max(worst, std::abs(double(estimates[i].irradiance.x) - expected) / (expected + 0.1));
         }
         std::printf("%s: off by %.2f %% at most\n", nameOf(type), 100.0 * worst);
-        EXPECT_LT(worst, 0.01) << nameOf(type);
+        EXPECT_LT(worst, 0.015) << nameOf(type);
     }
 }
 
@@ -64,7 +65,7 @@ TEST_P(AreaLightS6, RangeAndBack)
         const double ratio = double(glm::distance(position, vec3(0, 1, 0))) / 2.0;
         const double window = std::max(1.0 - std::pow(ratio, 4.0), 0.0);
         const double expected = window * irradianceByHand(bench.scene.lights[0], position, vec3(0, 1, 0));
-        EXPECT_NEAR(estimates[i].irradiance.x, expected, 0.01 * expected + 0.005);
+        EXPECT_NEAR(estimates[i].irradiance.x, expected, 0.01 * expected + 0.01);
         dark += estimates[i].irradiance.x == 0.0f ? 1 : 0;
     }
     EXPECT_GT(dark, 100);
@@ -169,14 +170,16 @@ double meanIrradiance(const Bench& bench, const std::vector<IrradianceEstimate>&
 TEST_P(AreaLightS6, BouncesAsAnEmissiveSurfaceDoes)
 {
     IntegrationSettings settings = transport();
-    settings.samples = 512;
+    settings.samples = 64;
     settings.bounces = 6;
-    Bench lamp(room(false, LightType::Rectangle), MixedLightingMode::Shadowmask, kPage, settings);
-    Bench surface(room(true, LightType::Rectangle), MixedLightingMode::Shadowmask, kPage, settings);
-    const double found = meanIrradiance(lamp, lamp.irradiance());
-    const double expected = meanIrradiance(surface, surface.irradiance());
-    std::printf("mean irradiance %.4f lux, of an emissive surface %.4f lux\n", found, expected);
-    EXPECT_NEAR(found, expected, 0.01 * expected);
+    const auto bySeeds = [&](bool emissive) {
+        return overSeeds([&](uint32_t seed) {
+            settings.seed = seed;
+            Bench bench(room(emissive, LightType::Rectangle), MixedLightingMode::Shadowmask, kPage, settings);
+            return meanIrradiance(bench, bench.irradiance());
+        });
+    };
+    expectSameMean(bySeeds(false), bySeeds(true), {.resolved = 0.01});
 }
 
 // Probes hold a baked light's radiance from its directions, and a mixed light's share that arrives.

@@ -14,7 +14,10 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <filesystem>
+#include <memory>
 #include <thread>
+#include <utility>
 
 namespace halflight::test::cache_test {
 namespace {
@@ -38,14 +41,19 @@ Scene twoRooms()
 }
 
 struct CacheTest : testing::Test {
-    CacheTest()
+    static void SetUpTestSuite()
     {
-        settings.samples = 16;
-        settings.shadowSamples = 8;
-        settings.bounces = 2;
-        settings.lightmapSize = 128;
-        settings.probeSpacingMeters = 2.0f;
+        shared = std::make_unique<Shared>();
+        BakeSettings s = usualSettings();
+        Result<BakeResult> plain = bake(twoRooms(), s, embreeIntegrators());
+        s.cacheDirectory = shared->folder / "cache";
+        Result<BakeResult> first = bake(twoRooms(), s, embreeIntegrators());
+        ASSERT_TRUE(plain && first);
+        shared->plain = std::move(*plain);
+        shared->first = std::move(*first);
     }
+    static void TearDownTestSuite() { shared.reset(); }
+
     BakeResult run(const Scene& scene, bool cached, const Progress& progress = {})
     {
         BakeSettings s = settings;
@@ -94,15 +102,42 @@ struct CacheTest : testing::Test {
         return error / sum;
     }
 
+    /// A bake of twoRooms() into an empty cache, which this test has a copy of.
+    const BakeResult& firstBake()
+    {
+        std::filesystem::copy(shared->folder / "cache", folder / "cache", std::filesystem::copy_options::recursive);
+        return shared->first;
+    }
+    static const BakeResult& plainBake() { return shared->plain; }
+
     TempFolder folder;
-    BakeSettings settings;
+    BakeSettings settings = usualSettings();
+
+private:
+    static BakeSettings usualSettings()
+    {
+        BakeSettings usual;
+        usual.samples = 16;
+        usual.shadowSamples = 8;
+        usual.bounces = 2;
+        usual.lightmapSize = 128;
+        usual.probeSpacingMeters = 2.0f;
+        return usual;
+    }
+    /// Bakes of twoRooms() without a cache and with one that is empty.
+    struct Shared {
+        TempFolder folder{"cache_tests"};
+        BakeResult plain;
+        BakeResult first;
+    };
+    static inline std::unique_ptr<Shared> shared;
 };
 
 TEST_F(CacheTest, ASecondBakeTakesEverythingAndGivesTheSameBytes)
 {
     const Scene scene = twoRooms();
-    const BakeResult plain = run(scene, false);
-    const BakeResult first = run(scene, true);
+    const BakeResult& plain = plainBake();
+    const BakeResult& first = firstBake();
     expectSame(plain.baked, first.baked);
     EXPECT_GT(first.report.cache.tiles, 10u);
     EXPECT_EQ(first.report.cache.same, 0u);
@@ -114,7 +149,10 @@ TEST_F(CacheTest, ASecondBakeTakesEverythingAndGivesTheSameBytes)
     EXPECT_LT(raysOf(second.report, "probes"), raysOf(first.report, "probes"));
 }
 
-TEST_F(CacheTest, AnInterruptedBakeGoesOn)
+/// Runs at night, apart from the others.
+struct InterruptedBake : CacheTest {};
+
+TEST_F(InterruptedBake, GoesOn)
 {
     settings.lightmapSize = 512; // several batches
     settings.samples = 4;
@@ -175,7 +213,7 @@ TEST_F(CacheTest, TheHashFollowsEverySettingThatTheFileFollows)
 TEST_F(CacheTest, BrokenPartsAreBakedAgain)
 {
     const Scene scene = twoRooms();
-    const BakeResult first = run(scene, true);
+    const BakeResult& first = firstBake();
     std::size_t parts = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "cache")) {
         if (entry.path().extension() != ".part" || ++parts % 2 == 0) continue;
@@ -199,7 +237,7 @@ TEST_F(CacheTest, SeveralBakesShareOneFolder)
     const Scene scene = twoRooms();
     Scene other = twoRooms();
     other.lights[1].intensity = 5.0f;
-    const BakeResult plain = run(scene, false);
+    const BakeResult& plain = plainBake();
     std::array<BakeResult, 3> results;
     std::vector<std::thread> threads;
     for (std::size_t i = 0; i < results.size(); ++i)
@@ -262,7 +300,7 @@ TEST_F(CacheTest, ProcessesFillOneFolderInShares)
 TEST_F(CacheTest, ALightReachesOnlyItsOwnRoom)
 {
     Scene scene = twoRooms();
-    run(scene, true);
+    firstBake();
     scene.lights[0].intensity = 40.0f;
     const BakeResult changed = run(scene, true);
     const TileCounts& counts = changed.report.cache;
@@ -328,7 +366,7 @@ TEST_F(CacheTest, CheckSamplesAreComputedOnce)
 TEST_F(CacheTest, AMovedObjectReachesOnlyItsOwnRoom)
 {
     Scene scene = twoRooms();
-    run(scene, true);
+    firstBake();
     for (int i = 6; i < 12; ++i)
         scene.objects[std::size_t(i)].worldFromObject = glm::translate(mat4(1.0f), vec3(0.4f, 0, 0.3f));
     const BakeResult moved = run(scene, true);

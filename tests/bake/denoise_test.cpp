@@ -145,7 +145,7 @@ TEST(DenoiseS6, PeaksAreNoFireflies)
         return e;
     });
     for (const std::size_t i : {chart.at(30, 30), chart.at(31, 30), chart.at(30, 31)})
-        EXPECT_NEAR(estimates[i].irradiance.x, lightAt(chart.map.texels[i]), 0.15f * lightAt(chart.map.texels[i]));
+        EXPECT_NEAR(estimates[i].irradiance.x, lightAt(chart.map.texels[i]), 0.2f * lightAt(chart.map.texels[i]));
 }
 
 /// Single sunlit texels among unlit ones are no outliers, and the noise of other light beside them goes.

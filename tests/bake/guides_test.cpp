@@ -1,5 +1,6 @@
 // Samples that guides aim at secondary light sources (spec S6).
 
+#include "bake/seeds.h"
 #include "bake/test_scene.h"
 #include "transport/sample/lights.h"
 
@@ -93,6 +94,17 @@ struct LitSpots {
         const double share = holes == Holes::Pattern ? 0.5 : 1.0;
         return share * sum * double(4.0f * kRadius * kRadius) / double(kSteps * kSteps);
     }
+    /// By texel; zero on the floor.
+    [[nodiscard]] std::vector<double> illuminances(const Bench& bench) const
+    {
+        std::vector<double> found;
+        for (const Texel& texel : bench.map.texels) {
+            const TexelFragment& first = bench.map.fragments[texel.firstFragment];
+            const vec3 normal = surfacePoint(bench.geometry, first.triangle, first.barycentric).normal;
+            found.push_back(normal.y > 0.5f ? 0.0 : illuminance(bench.positionOf(texel), normal));
+        }
+        return found;
+    }
 };
 
 /// Where one ray in a hundred hits a bright spot, 32 rays have an error above 100 %. With samples of the spot the error
@@ -103,15 +115,15 @@ TEST(GuidesS6, LitSpotsAreNoNoise)
         LitSpots::Holes holes;
         bool glows;
         bool sunlit;
-        double bias;
+        double resolved;
         double noise;
     };
-    // Samples on holes are lost, which costs variance.
-    for (const auto& [holes, glows, sunlit, mostBias, mostNoise] :
-         {Case{LitSpots::Holes::None, false, false, 0.015, 0.12},
-          {LitSpots::Holes::None, true, false, 0.015, 0.12},
-          {LitSpots::Holes::None, false, true, 0.015, 0.12},
-          {LitSpots::Holes::Half, false, false, 0.015, 0.35},
+    // Samples on holes are lost, which costs variance. Few texels show a spot roughly, which takes half a per cent.
+    for (const auto& [holes, glows, sunlit, resolved, mostNoise] :
+         {Case{LitSpots::Holes::None, false, false, 0.01, 0.12},
+          {LitSpots::Holes::None, true, false, 0.01, 0.12},
+          {LitSpots::Holes::None, false, true, 0.01, 0.12},
+          {LitSpots::Holes::Half, false, false, 0.01, 0.35},
           {LitSpots::Holes::Pattern, false, false, 0.04, 0.9}}) {
         SCOPED_TRACE(testing::Message() << "holes " << int(holes) << (glows ? ", glows" : "")
                                         << (sunlit ? ", sunlit" : ""));
@@ -119,31 +131,31 @@ TEST(GuidesS6, LitSpotsAreNoNoise)
         settings.samples = 32;
         settings.shadowSamples = 8;
         settings.bounces = 1;
-        double bias = 0.0;
+        const LitSpots spots(holes, glows, sunlit);
+        std::vector<double> truth; // of ceiling and walls, by texel
         double squares = 0.0;
         double sum = 0.0;
         int count = 0;
-        for (const uint32_t seed : {1u, 2u, 3u, 4u}) {
+        const SeedMean share = overSeeds([&](uint32_t seed) {
             settings.seed = seed;
-            LitSpots spots(holes, glows, sunlit);
             Bench bench(spots.scene, MixedLightingMode::Shadowmask, kPage, settings);
             const auto estimates = bench.irradiance();
+            if (truth.empty()) truth = spots.illuminances(bench);
+            double found = 0.0;
+            double expected = 0.0;
             for (std::size_t i = 0; i < estimates.size(); ++i) {
-                const Texel& texel = bench.map.texels[i];
-                const SurfacePoint point =
-                    surfacePoint(bench.geometry, bench.map.fragments[texel.firstFragment].triangle,
-                                 bench.map.fragments[texel.firstFragment].barycentric);
-                if (point.normal.y > 0.5f || !estimates[i].valid) continue;
-                const double truth = spots.illuminance(bench.positionOf(texel), point.normal);
-                const double error = double(estimates[i].irradiance.y) - truth;
-                bias += error;
+                if (truth[i] == 0.0 || !estimates[i].valid) continue;
+                const double error = double(estimates[i].irradiance.y) - truth[i];
                 squares += error * error;
-                sum += truth;
+                found += double(estimates[i].irradiance.y);
+                expected += truth[i];
                 ++count;
             }
-        }
+            sum += expected;
+            return found / expected;
+        });
         ASSERT_GT(count, 2000);
-        EXPECT_LT(std::abs(bias), mostBias * sum);
+        expectMean(share, 1.0, {.resolved = resolved, .bias = 0.005});
         EXPECT_LT(std::sqrt(squares / count), mostNoise * sum / count);
     }
 }

@@ -1,5 +1,6 @@
 // The light tree against sums over all lights, and the strata of sample blocks (spec S6).
 
+#include "bake/seeds.h"
 #include "bake/test_room.h"
 #include "transport/sample/light_tree.h"
 #include "transport/sample/stratified_pattern.h"
@@ -125,15 +126,21 @@ TEST(LightTreeS6, ManyLightsSumToTheirTotal)
         const vec2 place = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f)) * 6.0f - 3.0f;
         const float height = 1.0f + 2.0f * glm::fract(float(i) * 0.618f);
         addRectangle(scene, {vec3(place.x, height, place.y), vec3(0.05f, 0, 0), vec3(0, 0, 0.05f)}, glow, kPage);
-        const vec3 to(place.x + 0.025f, height, place.y + 0.025f);
-        const double d2 = double(glm::dot(to, to));
-        expected += 3.0 * 0.05 * 0.05 * double(height) * double(height) / (d2 * d2);
+        // Mean over the receiver's area.
+        constexpr int kSide = 16;
+        for (int k = 0; k < kSide * kSide; ++k) {
+            const vec2 at = 0.1f * ((vec2(k % kSide, k / kSide) + 0.5f) / float(kSide) - 0.5f);
+            const vec3 to(place.x + 0.025f - at.x, height, place.y + 0.025f - at.y);
+            const double d2 = double(glm::dot(to, to));
+            expected += 3.0 * 0.05 * 0.05 * double(height) * double(height) / (d2 * d2) / (kSide * kSide);
+        }
     }
+    IntegrationSettings settings;
     for (const IntegratorKind kind : {IntegratorKind::Path, IntegratorKind::Cache}) {
-        double mean = 0.0;
-        const auto estimates = bakeWith(scene, kind, 1024, 0);
-        for (const IrradianceEstimate& e : estimates) mean += double(e.irradiance.y) / double(estimates.size());
-        EXPECT_NEAR(mean, expected, 0.015 * expected);
+        settings.integrator = kind;
+        settings.samples = 128;
+        settings.bounces = 0;
+        expectMean(meanIrradiance(bakedBySeeds({scene, settings})), expected, {.resolved = 0.015});
     }
 
     // Point lights, seen by their bounce off a floor that the receiver looks down on.
@@ -148,16 +155,22 @@ TEST(LightTreeS6, ManyLightsSumToTheirTotal)
         lights.push_back(makeLight(i % 2 == 0 ? LightType::Point : LightType::Spot, vec3(place.x, 2.0f, place.y),
                                    vec3(0, -1, 0), 1.0f + float(i % 5), LightMode::Mixed));
     }
-    double alone = 0.0;
-    for (const Light& light : lights) {
-        Scene one = lit;
-        one.lights = {light};
-        for (const IrradianceEstimate& e : bakeWith(one, IntegratorKind::Path, 256, 1)) alone += double(e.irradiance.y);
-    }
+    settings.integrator = IntegratorKind::Path;
+    settings.bounces = 1;
+    const SeedMean alone = overSeeds([&](uint32_t seed) {
+        settings.seed = seed;
+        settings.samples = 32;
+        double sum = 0.0;
+        for (const Light& light : lights) {
+            Scene one = lit;
+            one.lights = {light};
+            sum += meanIrradiance(Bench(one, MixedLightingMode::Shadowmask, kPage, settings).irradiance());
+        }
+        return sum;
+    });
     lit.lights = lights;
-    double together = 0.0;
-    for (const IrradianceEstimate& e : bakeWith(lit, IntegratorKind::Path, 2048, 1)) together += double(e.irradiance.y);
-    EXPECT_NEAR(together, alone, 0.02 * alone);
+    settings.samples = 256;
+    expectSameMean(meanIrradiance(bakedBySeeds({lit, settings})), alone, {.resolved = 0.02});
 }
 
 /// The first strata in the order of a block are spread evenly: each pair has one stratum in each half of the block, the

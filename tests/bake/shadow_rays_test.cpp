@@ -105,7 +105,7 @@ TEST(ShadowmaskS8, EdgesGetMoreRays)
         int leastOnEdge;
     };
     // Sums hold the largest number of rays too.
-    for (const Case& c : {Case{16, 60, 3.1f / 32.0f, 0.042f, 50}, {65536, 12, 0.005f, 0.003f, 10}}) {
+    for (const Case& c : {Case{16, 60, 4.0f / 32.0f, 0.042f, 50}, {65536, 12, 0.005f, 0.003f, 10}}) {
         Scene scene;
         const int black = addMaterial(scene, vec3(0), vec3(0), true);
         addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage,

@@ -12,7 +12,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace halflight::test::some_objects_test {
@@ -67,17 +69,31 @@ Scene changedTables()
 }
 
 struct SomeObjectsTest : testing::Test {
-    SomeObjectsTest()
+    SomeObjectsTest() { settings.cacheDirectory = folder / "cache"; }
+    static void SetUpTestSuite()
     {
-        settings.samples = 32;
-        settings.shadowSamples = 16;
-        settings.bounces = 2;
-        settings.uvMode = UvMode::Keep;
-        settings.lightmapSize = kPageSize;
-        settings.probeSpacingMeters = 2.0f;
-        settings.denoiser = Denoiser::Off;
-        settings.cacheDirectory = folder / "cache";
+        shared = std::make_unique<Shared>();
+        BakeSettings s = usualSettings();
+        s.cacheDirectory = shared->folder / "cache";
+        Result<BakeResult> last = bake(tables(), s, embreeIntegrators());
+        s.cacheDirectory.clear();
+        Result<BakeResult> fresh = bake(changedTables(), s, embreeIntegrators());
+        ASSERT_TRUE(last && fresh);
+        shared->last = std::move(*last);
+        shared->fresh = std::move(*fresh);
     }
+    static void TearDownTestSuite() { shared.reset(); }
+
+    /// The bake of tables() with the usual settings. This test's cache has a copy of it.
+    const BakeResult& lastBake()
+    {
+        std::filesystem::copy(shared->folder / "cache", settings.cacheDirectory,
+                              std::filesystem::copy_options::recursive);
+        return shared->last;
+    }
+    /// The bake of changedTables() with the usual settings.
+    static const BakeResult& freshBake() { return shared->fresh; }
+
     Result<BakeResult> tryOnly(const Scene& scene, const std::vector<std::string>& names)
     {
         BakeSettings some = settings;
@@ -138,7 +154,27 @@ struct SomeObjectsTest : testing::Test {
     }
 
     TempFolder folder;
-    BakeSettings settings;
+    BakeSettings settings = usualSettings();
+
+private:
+    static BakeSettings usualSettings()
+    {
+        BakeSettings usual;
+        usual.samples = 32;
+        usual.shadowSamples = 16;
+        usual.bounces = 2;
+        usual.uvMode = UvMode::Keep;
+        usual.lightmapSize = kPageSize;
+        usual.probeSpacingMeters = 2.0f;
+        usual.denoiser = Denoiser::Off;
+        return usual;
+    }
+    struct Shared {
+        TempFolder folder{"some_objects_tests"};
+        BakeResult last;
+        BakeResult fresh;
+    };
+    static inline std::unique_ptr<Shared> shared;
 };
 
 TEST_F(SomeObjectsTest, AnUnchangedSceneGivesTheSameBytes)
@@ -161,10 +197,9 @@ TEST_F(SomeObjectsTest, AnUnchangedSceneGivesTheSameBytes)
 
 TEST_F(SomeObjectsTest, ChosenObjectsGetTheNewLightAndOthersKeepTheirs)
 {
-    const BakeResult last = whole(tables());
+    const BakeResult& last = lastBake();
     const BakeResult mixed = only(changedTables(), {"table 1", "floor"});
-    settings.cacheDirectory = folder / "another";
-    const BakeResult fresh = whole(changedTables());
+    const BakeResult& fresh = freshBake();
     for (const char* chosen : {"floor", "table 1"}) {
         EXPECT_EQ(differences(mixed, fresh, chosen), 0) << chosen;
         EXPECT_GT(differences(mixed, last, chosen), 200) << "the light did change";
@@ -177,7 +212,7 @@ TEST_F(SomeObjectsTest, ChosenObjectsGetTheNewLightAndOthersKeepTheirs)
 
 TEST_F(SomeObjectsTest, ProbesAtTheSamePlacesKeepTheirLight)
 {
-    const BakeResult last = whole(tables());
+    const BakeResult& last = lastBake();
     Scene brighter = tables();
     brighter.sky = changedTables().sky;
     const BakeResult mixed = only(brighter, {"table 1"});
@@ -189,27 +224,25 @@ TEST_F(SomeObjectsTest, ProbesAtTheSamePlacesKeepTheirLight)
 
 TEST_F(SomeObjectsTest, AnotherBakeOfSomeGoesOnFromThere)
 {
-    whole(tables());
+    lastBake();
     const BakeResult first = only(changedTables(), {"table 1"});
     const BakeResult second = only(changedTables(), {"table 2"});
     EXPECT_EQ(differences(first, second, "table 1"), 0);
     EXPECT_GT(differences(first, second, "table 2"), 200);
-    settings.cacheDirectory = folder / "another";
-    const BakeResult fresh = whole(changedTables());
+    const BakeResult& fresh = freshBake();
     EXPECT_EQ(differences(second, fresh, "table 1"), 0);
     EXPECT_EQ(differences(second, fresh, "table 2"), 0);
 }
 
 TEST_F(SomeObjectsTest, TheNextWholeBakeFindsWhatIsOutOfDate)
 {
-    whole(tables());
+    lastBake();
     only(changedTables(), {"floor"});
     const BakeResult after = whole(changedTables());
-    settings.cacheDirectory = folder / "another";
-    const BakeResult fresh = whole(changedTables());
+    const BakeResult& fresh = freshBake();
     expectSame(after.baked, fresh.baked);
     settings.cacheDirectory = folder / "third";
-    whole(tables());
+    lastBake();
     only(changedTables(), {"floor", "table 0", "table 1", "table 2"});
     const BakeReport report = whole(changedTables()).report;
     const std::size_t tiles = Tiling{report.coveredTexels, kTexelTile}.tileCount();
@@ -218,7 +251,7 @@ TEST_F(SomeObjectsTest, TheNextWholeBakeFindsWhatIsOutOfDate)
 
 TEST_F(SomeObjectsTest, MovedObjectsKeepTheirLightUnlessChosen)
 {
-    const BakeResult last = whole(tables());
+    const BakeResult& last = lastBake();
     Scene moved = tables();
     moved.objects[1].worldFromObject = glm::rotate(mat4(1.0f), -1.2f, vec3(0, 0, 1)); // table 0, tilted over the floor
     const BakeResult mixed = only(moved, {"table 2"});
@@ -244,7 +277,7 @@ TEST_F(SomeObjectsTest, SubtractiveBakesKeepTheirOwnMask)
 
 TEST_F(SomeObjectsTest, ATileThatCannotBeReadIsComputedWithAWarning)
 {
-    const BakeResult last = whole(tables());
+    const BakeResult& last = lastBake();
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "cache")) {
         if (entry.path().filename().string().rfind("lightmap-00000", 0) == 0)
             std::filesystem::resize_file(entry.path(), 100);
@@ -275,7 +308,7 @@ TEST_F(SomeObjectsTest, NamesAreWholeOrBetweenCommas)
 
 TEST_F(SomeObjectsTest, RenamedObjectsKeepTheirLight)
 {
-    const BakeResult all = whole(tables());
+    const BakeResult& all = lastBake();
     Scene renamed = tables();
     renamed.objects[1].name = "bench";
     const BakeResult some = only(renamed, {"floor"});
@@ -287,7 +320,7 @@ TEST_F(SomeObjectsTest, RenamedObjectsKeepTheirLight)
 
 TEST_F(SomeObjectsTest, MasksAndProbesOfANewLightAreBaked)
 {
-    const BakeResult before = whole(tables());
+    const BakeResult& before = lastBake();
     Scene more = tables();
     Light second = more.lights[0];
     second.name = "second";
@@ -312,7 +345,7 @@ TEST_F(SomeObjectsTest, WhatCannotBeKeptIsRefused)
     const std::string noBake = "holds no finished bake with this layout and these settings";
     EXPECT_NE(refusal(tables(), {"floor"}).find(noBake), std::string::npos) << "the cache is empty";
     EXPECT_FALSE(std::filesystem::exists(settings.cacheDirectory)) << "a refusal leaves nothing behind";
-    whole(tables());
+    lastBake();
     EXPECT_EQ(refusal(tables(), {"chair"}), "no object or node with objects is called 'chair'");
     Scene dynamic = tables();
     dynamic.objects.push_back(dynamic.objects[1]);

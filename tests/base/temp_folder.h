@@ -7,13 +7,12 @@
 
 namespace halflight::test {
 
-/// A folder of this test's own, removed at its end.
+/// A folder of this test's own, removed at its end; or of a name's, for what tests share.
 class TempFolder {
 public:
-    TempFolder()
-        : path_(std::filesystem::temp_directory_path() /
-                ("halflight_" + std::to_string(::getpid()) + "_" +
-                 ::testing::UnitTest::GetInstance()->current_test_info()->name()))
+    TempFolder() : TempFolder(::testing::UnitTest::GetInstance()->current_test_info()->name()) {}
+    explicit TempFolder(const std::string& name)
+        : path_(std::filesystem::temp_directory_path() / ("halflight_" + std::to_string(::getpid()) + "_" + name))
     {
         std::filesystem::create_directories(path_);
     }

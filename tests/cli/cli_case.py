@@ -11,6 +11,10 @@ import zlib
 
 import tiny_scene
 
+FOLDER = os.path.dirname(os.path.abspath(__file__))
+# Tests and helpers are in rooms by topic, and import one another by name.
+sys.path += sorted(entry.path for entry in os.scandir(FOLDER) if entry.is_dir() and not entry.name.startswith("_"))
+
 HALFLIGHT = ""
 SHARED = ""
 QUICK = ["--quality", "preview", "--samples", "4", "--shadow-samples", "2", "--bounces", "1", "--lightmap-size", "128"]

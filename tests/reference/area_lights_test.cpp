@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
-
 namespace halflight::test::area_lights_test {
 namespace {
 
@@ -28,9 +26,10 @@ TEST(ReferenceAreaLights, DullFloorsHaveTheFormFactor)
     for (const LightType type : {LightType::Rectangle, LightType::Disk}) {
         const Finish dull{vec3(0.5f), 0.0f, 1.0f, 0.0f};
         const Traced traced(stage(dull, type));
+        SCOPED_TRACE(nameOf(type));
         const double irradiance = irradianceByHand(traced.scene.lights[0], vec3(0), vec3(0, 1, 0));
         const double expected = 0.5 * irradiance / double(kPi);
-        EXPECT_NEAR(traced.atOrigin(vec3(0.3f, 1, 0.4f), 40000).x, expected, 0.005 * expected) << nameOf(type);
+        expectMean(traced.bySeeds(vec3(0.3f, 1, 0.4f), 5000), expected, {.resolved = 0.005});
     }
 }
 
@@ -44,11 +43,10 @@ TEST(ReferenceAreaLights, LightAndLobeSamplingAgree)
             const Traced both(stage(gloss, type));
             const Traced lights(stage(gloss, type), {.emitters = EmitterSampling::Surfaces});
             const Traced lobes(stage(gloss, type), {.emitters = EmitterSampling::Directions});
-            const float a = both.atOrigin(view, 40000).x;
-            std::printf("%s, roughness %.1f: %.4f, by lights %.4f, by lobes %.4f\n", nameOf(type), double(roughness),
-                        double(a), double(lights.atOrigin(view, 160000).x), double(lobes.atOrigin(view, 160000).x));
-            EXPECT_NEAR(lights.atOrigin(view, 160000).x, a, 0.015f * a);
-            EXPECT_NEAR(lobes.atOrigin(view, 160000).x, a, 0.015f * a);
+            SCOPED_TRACE(testing::Message() << nameOf(type) << ", roughness " << roughness);
+            const SeedMean a = both.bySeeds(view, 5000);
+            expectSameMean(lights.bySeeds(view, 20000), a, {.resolved = 0.015});
+            expectSameMean(lobes.bySeeds(view, 20000), a, {.resolved = 0.025});
         }
     }
 }
@@ -64,8 +62,7 @@ TEST(ReferenceAreaLights, LightAsEmissiveSurfacesDoAndAreNotSeen)
         addBox(*scene, vec3(-3, -0.5f, -3), vec3(3, 4, 3), addMaterial(*scene, vec3(0.6f)), true);
     const Traced a(lamp);
     const Traced b(surface);
-    const float expected = b.atOrigin(view, 60000, 4).x;
-    EXPECT_NEAR(a.atOrigin(view, 60000, 4).x, expected, 0.015f * expected);
+    expectSameMean(a.bySeeds(view, 7500, 4), b.bySeeds(view, 7500, 4), {.resolved = 0.015});
 
     const Traced alone(stage(gloss, LightType::Rectangle));
     EXPECT_EQ(alone.radiance(vec3(0.2f, 0.5f, -0.3f), vec3(0, 0.7f, -0.3f), 16), vec3(0.0f));

@@ -2,6 +2,7 @@
 // A scene with its reference tracer, and single points of its picture.
 
 #include "bake/geometry/flatten.h"
+#include "bake/seeds.h"
 #include "bake/test_scene.h"
 #include "bake_cpu/reference/reference_tracer.h"
 #include "bake_cpu/trace/embree_kernels.h"
@@ -23,21 +24,26 @@ struct Traced {
         tracer = std::make_unique<ReferenceTracer>(scene, *paths, options);
     }
     /// Mean radiance from `direction` over `samples` paths.
-    vec3 radiance(vec3 origin, vec3 direction, int samples, int bounces = 0) const
+    vec3 radiance(vec3 origin, vec3 direction, int samples, int bounces = 0, uint32_t seed = 7) const
     {
         glm::dvec3 sum(0.0);
         uint64_t rays = 0;
         for (int i = 0; i < samples; ++i) {
-            Sampler sampler(7, 11, uint32_t(i));
+            Sampler sampler(seed, 11, uint32_t(i));
             sum +=
                 glm::dvec3(tracer->radiance(origin, glm::normalize(direction), RayUse::Camera, bounces, sampler, rays));
         }
         return vec3(sum / double(samples));
     }
     /// The radiance of the origin, seen from a metre away in direction `view`.
-    vec3 atOrigin(vec3 view, int samples, int bounces = 0) const
+    vec3 atOrigin(vec3 view, int samples, int bounces = 0, uint32_t seed = 7) const
     {
-        return radiance(glm::normalize(view), -view, samples, bounces);
+        return radiance(glm::normalize(view), -view, samples, bounces, seed);
+    }
+    /// Its green, with `samples` paths for each seed.
+    SeedMean bySeeds(vec3 view, int samples, int bounces = 0) const
+    {
+        return overSeeds([&](uint32_t seed) { return atOrigin(view, samples, bounces, seed).y; });
     }
 };
 

@@ -1,63 +1,13 @@
 // A rendered pixel equals the law's value: a floor in four columns (lit; in static shadow; in dynamic shadow; in both),
 // seen near, at nine places within the fade, and beyond the shadow distance, in every mode, forward and deferred (S26).
-#include "render/law_scene.h"
+#include "render/law_modes.h"
 
 #include <glm/gtc/packing.hpp>
-
-#include <algorithm>
 
 namespace halflight::test::law_pixels_test {
 namespace {
 
 using namespace law;
-
-const vec3 kShadowColor(0.25f, 0.5f, 0.25f);
-constexpr float kProbeOcclusion = 0.4f;
-const vec3 kProbeRadiance(0.25f, 0.5f, 0.75f);
-
-bool usesMask(RunMode mode)
-{
-    return mode == RunMode::Shadowmask || mode == RunMode::DistanceShadowmask;
-}
-
-/// Baked attenuation of the column.
-float maskOf(int column)
-{
-    return inStaticShadow(column) ? kBakedShadow : 1.0f;
-}
-
-/// The floor becomes a dynamic receiver, lit and shadowed by one probe, the same from everywhere.
-void makeFloorDynamic(LawScene& law)
-{
-    law.baked.scene.objects[std::size_t(law.floor)].isStatic = false;
-    Probe probe;
-    probe.radiance[0] = kProbeRadiance / 0.282094792f;
-    probe.occlusion.layers[0] = vec4(kProbeOcclusion, 1, 1, 1);
-    law.baked.probes.probes = {probe};
-}
-
-using ModeStrengthPath = std::tuple<RunMode, float, RenderPath>;
-using ModePath = std::tuple<RunMode, RenderPath>;
-
-const char* modeName(RunMode mode)
-{
-    const char* names[] = {"Realtime", "BakedIndirect", "Shadowmask", "DistanceShadowmask", "Subtractive"};
-    return names[int(mode)];
-}
-std::string modeStrengthPathName(const testing::TestParamInfo<ModeStrengthPath>& info)
-{
-    return std::string(modeName(std::get<0>(info.param))) + (std::get<1>(info.param) < 1.0f ? "Strength" : "Full") +
-           pathName(std::get<2>(info.param));
-}
-std::string modePathName(const testing::TestParamInfo<ModePath>& info)
-{
-    return std::string(modeName(std::get<0>(info.param))) + pathName(std::get<1>(info.param));
-}
-const auto kAllModes = testing::Values(RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask,
-                                       RunMode::DistanceShadowmask, RunMode::Subtractive);
-const auto kMaskModes = testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask);
-const auto kBakedModes =
-    testing::Values(RunMode::BakedIndirect, RunMode::Shadowmask, RunMode::DistanceShadowmask, RunMode::Subtractive);
 
 class LawPixels : public RenderTest, public testing::WithParamInterface<ModeStrengthPath> {};
 INSTANTIATE_TEST_SUITE_P(S1S7S12S13S20toS25, LawPixels,
@@ -150,37 +100,6 @@ TEST_P(SubtractiveMaskS22, ShadowColorOfSettingsAuthorAndBake)
     EXPECT_FALSE(renderer->render(makeCamera(), settings));
 }
 
-/// A light whose shadows are off has no shadow of any kind (spec section 4): static and dynamic receivers.
-class LightWithoutShadowsS20 : public RenderTest, public testing::WithParamInterface<ModePath> {};
-INSTANTIATE_TEST_SUITE_P(, LightWithoutShadowsS20, testing::Combine(kAllModes, kBothPaths), modePathName);
-
-TEST_P(LightWithoutShadowsS20, NeitherBakedNorRealtime)
-{
-    const auto [mode, path] = GetParam();
-    for (const bool byStrength : {false, true}) {
-        for (const bool isDynamic : {false, true}) {
-            LawScene law = makeScene(bakeModeFor(mode));
-            if (isDynamic) makeFloorDynamic(law);
-            Light& sun = law.baked.scene.lights[0];
-            if (byStrength)
-                sun.shadowStrength = 0.0f;
-            else
-                sun.castShadows = false;
-            const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-            EXPECT_FALSE(frame.plan.usesMask);
-            EXPECT_FALSE(frame.forwardReadsMask);
-            expectSites(frame, [&, mode = mode](const Site& site) {
-                const vec3 irradiance = isDynamic ? kProbeRadiance * kPi : lightmapOf(site.column);
-                const vec3 direct = directRadiance(site.point, sun, 1.0f);
-                if (mode == RunMode::Realtime) return direct;
-                // Subtractive's lightmap holds the direct light, shadows and all.
-                const bool inLightmap = mode == RunMode::Subtractive && !isDynamic;
-                return indirectRadiance(site.point, irradiance) + (inLightmap ? vec3(0.0f) : direct);
-            });
-        }
-    }
-}
-
 class LightmapUnitS6 : public BothPaths {};
 
 // A file whose texels are in another unit shows the same picture, bit for bit where the unit is a power of two.
@@ -255,130 +174,6 @@ TEST_P(OnlyBakedShadowsS19, DynamicReceiverKeepsItsOcclusion)
         return indirectRadiance(site.point, kProbeRadiance * kPi) +
                directRadiance(site.point, law.baked.scene.lights[0], attenuation);
     });
-}
-
-/// A mesh and a material for this object alone.
-Material& ownMaterialOf(Scene& scene, int object)
-{
-    Object& owner = scene.objects[std::size_t(object)];
-    Mesh mesh = scene.meshes[std::size_t(owner.mesh)];
-    scene.materials.push_back(materialOf(scene, mesh.parts.at(0)));
-    for (MeshPart& part : mesh.parts) part.material = int(scene.materials.size()) - 1;
-    owner.mesh = int(scene.meshes.size());
-    scene.meshes.push_back(std::move(mesh));
-    return scene.materials.back();
-}
-
-/// The object's switches, and its material's in place of them.
-class ReceiveShadowsS30 : public RenderTest, public testing::WithParamInterface<ModePath> {};
-INSTANTIATE_TEST_SUITE_P(, ReceiveShadowsS30,
-                         testing::Combine(testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask,
-                                                          RunMode::Subtractive),
-                                          kBothPaths),
-                         modePathName);
-
-TEST_P(ReceiveShadowsS30, OffMeansNeitherRealtimeNorBaked)
-{
-    const auto [mode, path] = GetParam();
-    for (const bool byMaterial : {false, true}) {
-        LawScene law = makeScene(bakeModeFor(mode));
-        if (byMaterial)
-            ownMaterialOf(law.baked.scene, law.floor).receiveShadows = false;
-        else
-            law.baked.scene.objects[std::size_t(law.floor)].receiveShadows = false;
-        const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-        expectSites(frame, [&, mode = mode](const Site& site) {
-            const vec3 indirect = indirectRadiance(site.point, lightmapOf(site.column));
-            if (mode == RunMode::Subtractive) return indirect;
-            return indirect + directRadiance(site.point, law.baked.scene.lights[0], 1.0f);
-        });
-    }
-}
-
-// One slab that casts no shadow is missing from the shadow map, and only that one.
-TEST_P(ReceiveShadowsS30, CastOffLeavesOneCasterOut)
-{
-    const auto [mode, path] = GetParam();
-    for (const bool byMaterial : {false, true}) {
-        LawScene law = makeScene(bakeModeFor(mode));
-        Scene& scene = law.baked.scene;
-        int silenced = 0; // the dynamic slab of the third column
-        for (const int blocker : law.blockers) {
-            Object& object = scene.objects[std::size_t(blocker)];
-            if (object.isStatic || object.worldFromObject[3].x > kColumns[3]) continue;
-            if (byMaterial) {
-                ownMaterialOf(scene, blocker).castShadows = false;
-                // And a speck of another material at one corner, which keeps the object among the casters.
-                std::vector<MeshPart>& parts = scene.meshes[std::size_t(object.mesh)].parts;
-                MeshPart speck = parts[0];
-                for (vec3& p : speck.positions) p = 0.9f * parts[0].positions[0] + 0.01f * p;
-                speck.material = 0;
-                parts.push_back(speck);
-            } else {
-                object.castShadows = false;
-            }
-            ++silenced;
-        }
-        ASSERT_EQ(silenced, 1);
-        const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-        expectSites(frame, [&, mode = mode](const Site& site) {
-            const vec3 lightmap = lightmapOf(site.column);
-            const float realtime = site.column == 2 ? 1.0f : realtimeOf(mode, site.column);
-            if (mode == RunMode::Subtractive)
-                return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
-                                                                      site.fade, vec3(0.0f), 1.0f));
-            return indirectRadiance(site.point, lightmap) +
-                   directRadiance(site.point, scene.lights[0],
-                                  attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
-        });
-    }
-}
-
-// Switches of static objects that are turned after the bake: baked shadows stay as they are, and a warning says so.
-TEST_P(ReceiveShadowsS30, TurnedSinceTheBakeIsSaid)
-{
-    const auto [mode, path] = GetParam();
-    LawScene law = makeScene(bakeModeFor(mode));
-    Scene& scene = law.baked.scene;
-    int caster = -1; // the static slab of the second column
-    for (const int blocker : law.blockers) {
-        Object& object = scene.objects[std::size_t(blocker)];
-        object.name = "slab " + std::to_string(blocker);
-        if (object.isStatic && object.worldFromObject[3].x < kColumns[2]) caster = blocker;
-    }
-    ASSERT_GE(caster, 0);
-    scene.objects[std::size_t(law.floor)].name = "floor";
-    ASSERT_TRUE(renderer->load(law.baked));
-    const auto draw = [&, path = path](RunMode drawn) {
-        auto frame = renderer->render(makeCamera(), settingsFor(drawn, path));
-        EXPECT_TRUE(frame);
-        return std::move(*frame);
-    };
-    const auto said = [&](const FramePlan& plan, const std::string& words) {
-        return std::any_of(plan.warnings.begin(), plan.warnings.end(),
-                           [&](const std::string& warning) { return warning.find(words) != std::string::npos; });
-    };
-    EXPECT_TRUE(draw(mode).plan.warnings.empty());
-
-    ASSERT_TRUE(renderer->setObjectShadows(caster, false, true));
-    const RenderedFrame frame = draw(mode);
-    EXPECT_TRUE(said(frame.plan, "\"slab " + std::to_string(caster) + "\": castShadows was switched off"));
-    expectSites(frame, [&, mode = mode](const Site& site) {
-        const vec3 lightmap = lightmapOf(site.column);
-        const float realtime = site.column == 1 ? 1.0f : realtimeOf(mode, site.column);
-        if (mode == RunMode::Subtractive)
-            return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
-                                                                  site.fade, vec3(0.0f), 1.0f));
-        return indirectRadiance(site.point, lightmap) +
-               directRadiance(site.point, scene.lights[0],
-                              attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
-    });
-    EXPECT_TRUE(draw(RunMode::Realtime).plan.warnings.empty());
-    ASSERT_TRUE(renderer->setObjectShadows(caster, true, true));
-    EXPECT_TRUE(draw(mode).plan.warnings.empty());
-
-    ASSERT_TRUE(renderer->setObjectShadows(law.floor, true, false));
-    EXPECT_EQ(said(draw(mode).plan, "\"floor\": receiveShadows was switched off"), mode == RunMode::Subtractive);
 }
 
 class OtherLights : public RenderTest, public testing::WithParamInterface<ModePath> {};

@@ -124,4 +124,17 @@ inline vec3 pointInView(const FrameView& view, vec2 uv, float depth)
                 vec4((2.0f * uv.x - 1.0f) * halfX, (1.0f - 2.0f * uv.y) * halfY, -depth, 1.0f));
 }
 
+/// A floor, a dynamic box above it, and a camera that sees both.
+inline BakedScene stage(MixedLightingMode mode = MixedLightingMode::Shadowmask)
+{
+    BakedScene baked = emptyScene(mode);
+    addBox(baked, {0, -0.5f, 0}, {20, 0.5f, 20}, true);
+    addBox(baked, {0, 1, 0}, {0.5f, 0.5f, 0.5f}, false);
+    return baked;
+}
+inline FrameView stageView()
+{
+    return lookFrom({0, 4, 12}, {0, -0.3f, -1});
+}
+
 } // namespace halflight::test

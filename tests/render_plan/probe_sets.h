@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 namespace halflight::test {
@@ -21,6 +22,17 @@ inline Probe probeOf(vec3 position, float value, bool valid = true)
 }
 
 using Field = std::function<float(vec3)>;
+
+inline float linear(vec3 p)
+{
+    return 0.5f + 0.03f * p.x - 0.02f * p.y + 0.01f * p.z;
+}
+
+/// Any field, to see which probes are read.
+inline float rough(vec3 p)
+{
+    return 0.5f + 0.5f * std::sin(37.0f * p.x + 91.0f * p.y + 53.0f * p.z);
+}
 
 inline const vec3 kGridOrigin{-2, 1, 5};
 inline const vec3 kGridSpacing{1.5f, 2.0f, 0.75f};

@@ -9,15 +9,6 @@ namespace {
 
 using namespace test;
 
-float linear(vec3 p)
-{
-    return 0.5f + 0.03f * p.x - 0.02f * p.y + 0.01f * p.z;
-}
-float rough(vec3 p)
-{
-    return 0.5f + 0.5f * std::sin(37.0f * p.x + 91.0f * p.y + 53.0f * p.z);
-}
-
 /// All of it inside the probes: the box [-2, 2.5] x [1, 5] x [5, 8].
 const Bounds kBox{{-1.5f, 1.2f, 5.5f}, {2.0f, 4.0f, 7.7f}};
 

@@ -1,5 +1,7 @@
-#include "atlas_check.h"
+// Charts of shapes, shared layouts, robustness and the contract of unwrap().
+
 #include "shapes.h"
+#include "unwrap_and_check.h"
 
 #include "halflight/base/parallel.h"
 
@@ -9,20 +11,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 #include <set>
+#include <utility>
 
 namespace halflight::unwrap_test {
 namespace {
-
-UnwrappedScene unwrapAndCheck(const Scene& scene, const UnwrapSettings& settings = {})
-{
-    Result<UnwrappedScene> result = unwrap(scene, settings);
-    EXPECT_TRUE(result) << (result ? "" : result.error().text());
-    if (!result) return {};
-    const AtlasCheck check = checkAtlas(*result, settings.paddingTexels);
-    EXPECT_EQ(check.fault, "");
-    EXPECT_EQ(checkMeshes(scene, *result), "");
-    return std::move(*result);
-}
 
 TEST(UnwrapShapes, PlaneIsOneChartWithoutStretch)
 {
@@ -68,129 +60,6 @@ TEST(UnwrapShapes, SphereIsAHandfulOfChartsWithLittleStretch)
     const UnwrappedScene result = unwrapAndCheck(shapes::scene(shapes::sphere(1.0f, 32, 64)));
     EXPECT_LE(result.chartCount, 6);
     EXPECT_LT(result.meshes[0].areaStretch, 1.08f);
-}
-
-/// Texels of an object's triangles, in float as a renderer has them.
-double texelAreaOf(const UnwrappedScene& result, std::size_t object)
-{
-    const Object& o = result.scene.objects[object];
-    double sum = 0.0;
-    for (const MeshPart& part : result.scene.meshes[std::size_t(o.mesh)].parts) {
-        for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
-            glm::dvec2 c[3];
-            for (std::size_t k = 0; k < 3; ++k) {
-                c[k] = glm::dvec2(o.lightmap.scale * part.lightmapUv[part.indices[i + k]] + o.lightmap.offset) *
-                       double(result.pageSize);
-            }
-            sum += 0.5 * std::abs((c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[1].y - c[0].y) * (c[2].x - c[0].x));
-        }
-    }
-    return sum;
-}
-
-TEST(UnwrapDensity, IsTexelsPerMeterOfTheWorldForEveryScaleAndMirror)
-{
-    Scene scene = shapes::scene(shapes::box(), glm::scale(mat4(1.0f), vec3(2.0f)));
-    shapes::add(scene, 0, glm::scale(mat4(1.0f), vec3(-1.0f, 1.0f, 1.0f)));
-    shapes::add(scene, 0, glm::scale(glm::rotate(mat4(1.0f), 1.0f, vec3(1, 2, 3)), vec3(1.0f, 3.0f, 0.5f)));
-    scene.objects[1].lightmapScale = 0.5f;
-    UnwrapSettings settings;
-    settings.texelsPerMeter = 40.0f;
-    const UnwrappedScene result = unwrapAndCheck(scene, settings);
-    EXPECT_EQ(result.texelsPerMeter, 40.0f);
-    EXPECT_NEAR(texelAreaOf(result, 0), 6.0 * 4.0 * 1600.0, 6.0 * 4.0 * 1.6);
-    EXPECT_NEAR(texelAreaOf(result, 1), 6.0 * 400.0, 6.0 * 0.4);
-    EXPECT_NEAR(texelAreaOf(result, 2), 2.0 * (3.0 + 1.5 + 0.5) * 1600.0, 2.0 * 5.0 * 1.6);
-}
-
-TEST(UnwrapDensity, FitsOnePageAndFillsIt)
-{
-    for (const int size : {64, 256, 1024}) {
-        UnwrapSettings settings;
-        settings.pageSize = size;
-        Scene scene = shapes::scene(shapes::box());
-        for (int i = 1; i < 40; ++i) {
-            scene.meshes.push_back(shapes::box(vec3(1.0f, 1.0f + 0.1f * float(i), 0.5f)));
-            shapes::add(scene, i, mat4(1.0f));
-        }
-        const UnwrappedScene result = unwrapAndCheck(scene, settings);
-        EXPECT_EQ(result.pageCount, 1);
-        EXPECT_EQ(result.pageSize, size);
-        EXPECT_GT(result.coverageWithPadding, 0.85f);
-    }
-}
-
-TEST(UnwrapDensity, UsesAsManyPagesAsItTakesAndKeepsAnObjectOnOne)
-{
-    Scene scene = shapes::scene(shapes::box());
-    for (int i = 1; i < 20; ++i) {
-        scene.meshes.push_back(shapes::cylinder(0.5f, 1.0f, 12 + i));
-        shapes::add(scene, i, mat4(1.0f));
-    }
-    UnwrapSettings settings;
-    settings.pageSize = 256;
-    settings.texelsPerMeter = 40.0f;
-    const UnwrappedScene result = unwrapAndCheck(scene, settings);
-    EXPECT_EQ(result.texelsPerMeter, 40.0f);
-    EXPECT_GE(result.pageCount, 3); // 20 objects of 4.5 to 6 square metres, 1600 texels each, on pages of 65536
-    EXPECT_LE(result.pageCount, 4);
-    EXPECT_TRUE(result.warnings.empty());
-    for (const Object& object : result.scene.objects) EXPECT_GE(object.lightmap.page, 0);
-}
-
-TEST(UnwrapDensity, WhatDoesNotFitAPageGetsFewerTexelsAndAWarning)
-{
-    Scene scene = shapes::scene(shapes::plane(100.0f, 1.0f, 4));
-    scene.meshes.push_back(shapes::box());
-    shapes::add(scene, 1, mat4(1.0f));
-    UnwrapSettings settings;
-    settings.pageSize = 256;
-    settings.texelsPerMeter = 20.0f;
-    const UnwrappedScene result = unwrapAndCheck(scene, settings);
-    EXPECT_EQ(result.warnings.size(), 1u);
-    EXPECT_NEAR(texelAreaOf(result, 1), 6.0 * 400.0, 1.0);
-}
-
-TEST(UnwrapDensity, TooManyPagesAreAnErrorThatSaysWhatFits)
-{
-    // 1000 planes of 4 square metres: at 100 texels per metre 40000 texels each, some 610 pages of 65536 with padding
-    // uncounted.
-    Scene scene = shapes::scene(shapes::plane(2.0f, 2.0f));
-    for (int i = 1; i < 1000; ++i) shapes::add(scene, 0, mat4(1.0f));
-    UnwrapSettings settings;
-    settings.pageSize = 256;
-    settings.texelsPerMeter = 100.0f;
-    const Result<UnwrappedScene> result = unwrap(scene, settings);
-    ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().code, ErrorCode::InvalidArgument);
-    const std::string& message = result.error().message;
-    EXPECT_NE(message.find("256 are the most"), std::string::npos) << message;
-    const std::size_t at = message.rfind(": ");
-    ASSERT_NE(at, std::string::npos) << message;
-    // What it says does fit.
-    settings.texelsPerMeter = std::stof(message.substr(at + 2));
-    EXPECT_GT(settings.texelsPerMeter, 50.0f) << message;
-    EXPECT_LT(settings.texelsPerMeter, 65.0f) << message;
-    const Result<UnwrappedScene> less = unwrap(scene, settings);
-    ASSERT_TRUE(less) << less.error().text();
-    EXPECT_LE(less->pageCount, kMaxPages);
-    EXPECT_EQ(less->texelsPerMeter, settings.texelsPerMeter);
-}
-
-TEST(UnwrapDensity, ObjectsThatNeedManyPagesEachAreShrunkAtOnce)
-{
-    // A page each, where some fifty were asked.
-    Scene scene = shapes::scene(shapes::sphere(1.0f, 20, 40));
-    shapes::add(scene, 0, mat4(1.0f));
-    scene.meshes.push_back(shapes::box());
-    shapes::add(scene, 1, mat4(1.0f));
-    UnwrapSettings settings;
-    settings.pageSize = 256;
-    settings.texelsPerMeter = 500.0f;
-    const UnwrappedScene result = unwrapAndCheck(scene, settings);
-    EXPECT_LE(result.pageCount, 3);
-    EXPECT_EQ(result.warnings.size(), 2u); // one for each mesh
-    EXPECT_GT(result.coverage, 0.3f);
 }
 
 TEST(UnwrapObjects, FiveHundredCubesShareOneLayout)
@@ -380,133 +249,6 @@ TEST(UnwrapRobustness, SurfacesThatCrossThemselvesAreSplit)
     })));
     EXPECT_LE(roll.chartCount, 12);
     EXPECT_LT(roll.meshes[0].areaStretch, 1.05f);
-}
-
-TEST(UnwrapVertices, SourceVertexIsComposed)
-{
-    Mesh mesh = shapes::sphere(1.0f, 16, 32);
-    MeshPart& part = mesh.parts[0];
-    const auto count = uint32_t(part.positions.size());
-    for (uint32_t v = 0; v < count; ++v) part.sourceVertex.push_back(1000 - v); // as a reader may have left it
-    part.uv[0].resize(count);
-    part.tangents.resize(count);
-    part.colors.resize(count);
-    for (uint32_t v = 0; v < count; ++v) part.colors[v] = vec4(float(v));
-    const UnwrappedScene result = unwrapAndCheck(shapes::scene(mesh));
-    const MeshPart& after = result.scene.meshes[0].parts[0];
-    EXPECT_GT(after.positions.size(), part.positions.size()); // it was cut
-    ASSERT_EQ(after.sourceVertex.size(), after.positions.size());
-    for (std::size_t v = 0; v < after.positions.size(); ++v)
-        EXPECT_EQ(after.sourceVertex[v], 1000 - uint32_t(after.colors[v].x));
-}
-
-TEST(UnwrapVertices, LightmapTexCoordIsOneThatAllMaterialsOfTheMeshLeaveFree)
-{
-    Scene scene = shapes::scene(shapes::together(shapes::plane(), shapes::box()));
-    scene.materials.resize(2);
-    scene.materials[1].emissiveTexture.texture = 0;
-    scene.materials[1].emissiveTexture.texCoord = 1;
-    scene.textures.resize(1);
-    scene.meshes[0].parts[0].material = 1;
-    scene.meshes[0].parts[1].material = 0;
-    for (const int last : {1, 0}) { // whichever part has that material
-        std::swap(scene.meshes[0].parts[0].material, scene.meshes[0].parts[1].material);
-        const UnwrappedScene result = unwrapAndCheck(scene);
-        for (const MeshPart& part : result.scene.meshes[0].parts) EXPECT_EQ(part.lightmapTexCoord, 2) << last;
-    }
-    // The reader knows of textures that the scene does not hold.
-    for (MeshPart& part : scene.meshes[0].parts) part.lightmapTexCoord = 3;
-    const UnwrappedScene result = unwrapAndCheck(scene);
-    for (const MeshPart& part : result.scene.meshes[0].parts) EXPECT_EQ(part.lightmapTexCoord, 3);
-}
-
-/// A plane with TEXCOORD_1 filling a rectangle of the uv square.
-Mesh planeWithUv(vec2 from, vec2 to)
-{
-    Mesh mesh = shapes::plane(1.0f, 1.0f, 4);
-    for (const vec3 p : mesh.parts[0].positions)
-        mesh.parts[0].uv[1].push_back(glm::mix(from, to, vec2(p.x + 0.5f, p.z + 0.5f)));
-    return mesh;
-}
-
-TEST(UnwrapKeep, AtlasThatDoesNotOverlapStaysAsItIs)
-{
-    Scene scene = shapes::scene(planeWithUv({0.0f, 0.0f}, {0.45f, 0.45f}));
-    scene.meshes.push_back(planeWithUv({0.5f, 0.0f}, {0.9f, 0.4f}));
-    shapes::add(scene, 1, mat4(1.0f));
-    for (const UvMode mode : {UvMode::Keep, UvMode::Auto}) {
-        UnwrapSettings settings;
-        settings.uvMode = mode;
-        settings.pageSize = 512;
-        const UnwrappedScene result = unwrapAndCheck(scene, settings);
-        EXPECT_EQ(result.pageSize, 512);
-        EXPECT_EQ(result.pageCount, 1);
-        for (std::size_t o = 0; o < 2; ++o) {
-            EXPECT_TRUE(result.meshes[o].kept);
-            EXPECT_EQ(result.scene.objects[o].lightmap.scale, vec2(1.0f));
-            EXPECT_EQ(result.scene.objects[o].lightmap.offset, vec2(0.0f));
-            EXPECT_EQ(result.scene.meshes[o].parts[0].lightmapUv, scene.meshes[o].parts[0].uv[1]);
-        }
-        EXPECT_NEAR(result.texelsPerMeter, 512.0 * std::sqrt((0.45 * 0.45 + 0.4 * 0.4) / 2.0), 0.1);
-    }
-}
-
-TEST(UnwrapKeep, LayoutsThatOverlapOneAnotherArePacked)
-{
-    Scene scene = shapes::scene(planeWithUv({0.1f, 0.1f}, {0.9f, 0.9f}));
-    shapes::add(scene, 0, glm::scale(mat4(1.0f), vec3(2.0f)));
-    scene.meshes.push_back(planeWithUv({0.0f, 0.0f}, {1.0f, 1.0f}));
-    shapes::add(scene, 1, mat4(1.0f));
-    UnwrapSettings settings;
-    settings.uvMode = UvMode::Keep;
-    settings.texelsPerMeter = 50.0f;
-    const UnwrappedScene result = unwrapAndCheck(scene, settings);
-    EXPECT_EQ(result.scene.meshes.size(), 2u);
-    EXPECT_NEAR(texelAreaOf(result, 0), 2500.0, 5.0);
-    EXPECT_NEAR(texelAreaOf(result, 1), 10000.0, 20.0);
-    EXPECT_NEAR(texelAreaOf(result, 2), 2500.0, 5.0);
-    EXPECT_EQ(result.scene.meshes[0].parts[0].lightmapUv, scene.meshes[0].parts[0].uv[1]);
-}
-
-TEST(UnwrapKeep, SaysWhyTexCoord1IsNotKept)
-{
-    const auto reasonFor = [](const std::function<void(MeshPart&)>& spoil, const char* expected) {
-        Scene scene = shapes::scene(planeWithUv({0.1f, 0.1f}, {0.9f, 0.9f}));
-        spoil(scene.meshes[0].parts[0]);
-        const UnwrappedScene result = unwrapAndCheck(scene);
-        ASSERT_EQ(result.meshes.size(), 1u);
-        EXPECT_FALSE(result.meshes[0].kept);
-        EXPECT_NE(result.meshes[0].reason.find(expected), std::string::npos) << result.meshes[0].reason;
-        UnwrapSettings settings;
-        settings.uvMode = UvMode::Keep;
-        const Result<UnwrappedScene> kept = unwrap(scene, settings);
-        ASSERT_FALSE(kept);
-        EXPECT_EQ(kept.error().code, ErrorCode::FileInvalid);
-        EXPECT_EQ(kept.error().object, "/meshes/0");
-        EXPECT_NE(kept.error().message.find(expected), std::string::npos);
-    };
-    reasonFor([](MeshPart& part) { part.uv[1][3].x = 1.01f; }, "leaves [0,1]");
-    reasonFor([](MeshPart& part) { part.uv[1][3].y = std::numeric_limits<float>::quiet_NaN(); }, "not finite");
-    reasonFor([](MeshPart& part) { part.uv[1][6] = vec2(0.8f, 0.45f); }, "overlaps itself");
-    reasonFor([](MeshPart& part) { std::fill(part.uv[1].begin(), part.uv[1].end(), vec2(0.5f)); }, "no area");
-}
-
-TEST(UnwrapKeep, ChartsThatComeTooCloseAreUnwrappedInAutoAndNamedInKeep)
-{
-    // Two planes in one mesh, 0.003 apart in uv: a texel and a half of 512.
-    Scene scene = shapes::scene(
-        shapes::together(planeWithUv({0.0f, 0.0f}, {0.4985f, 1.0f}), planeWithUv({0.5015f, 0.0f}, {1.0f, 1.0f})));
-    for (vec3& p : scene.meshes[0].parts[1].positions) p.y = 1.0f;
-    UnwrapSettings settings;
-    settings.pageSize = 512;
-    const UnwrappedScene automatic = unwrapAndCheck(scene, settings);
-    EXPECT_FALSE(automatic.meshes[0].kept);
-    EXPECT_NE(automatic.meshes[0].reason.find("closer than 2 texels"), std::string::npos) << automatic.meshes[0].reason;
-    settings.uvMode = UvMode::Keep;
-    const Result<UnwrappedScene> kept = unwrap(scene, settings);
-    ASSERT_TRUE(kept);
-    EXPECT_TRUE(kept->meshes[0].kept);
-    EXPECT_EQ(kept->warnings.size(), 1u);
 }
 
 TEST(UnwrapContract, SameBytesWhateverTheNumberOfThreads)

@@ -84,7 +84,7 @@ def main():
     wine.prepare()
     import cli_case
 
-    files = names or sorted(path.stem for path in (wine.ROOT / "tests/cli").glob("*_test.py"))
+    files = names or sorted(path.stem for path in (wine.ROOT / "tests/cli").rglob("*_test.py"))
     whole = unittest.TestSuite()
     left_out, known = [], set()
     with tempfile.TemporaryDirectory() as folder:

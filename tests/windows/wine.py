@@ -12,6 +12,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/cli"))
+import cli_case  # noqa: E402, F401  adds the rooms of tests/cli
 from view_case import Display  # noqa: E402
 
 CACHE = pathlib.Path(os.environ.get("HALFLIGHT_ROOTS", "/var/cache/halflight")) / "windows"

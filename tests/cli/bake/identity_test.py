@@ -13,7 +13,7 @@ import json_schema
 from cli_case import QUICK, Case, decode_png, read, run
 from farm_test import FarmCase
 
-ASSETS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "assets")
+ASSETS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "assets")
 SETS = ("sse2", "avx2", "avx512")
 # What lays out texels and probes is the same with few samples; their number changes light alone.
 FEW = ["--quality", "preview", "--samples", "16", "--shadow-samples", "2", "--bounces", "1", "--reflection-probes", "off"]

@@ -228,7 +228,7 @@ class WebBroken(SharedCase):
     """The 45 broken copies of a baked file that the cases' own program makes: none is shown in silence."""
 
     def test_each_is_refused_or_warned_of(self):
-        scene = os.path.join(os.path.dirname(__file__), "../../assets/tests/five_lights.glb")
+        scene = os.path.join(os.path.dirname(__file__), "../../../assets/tests/five_lights.glb")
         baked, folder = self.path("baked.glb"), self.path("broken")
         result = run("bake", scene, "-o", baked, "--quality", "preview", "--lightmap-size", "128", "-q")
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -11,7 +11,7 @@ import slurm_cluster
 from cli_case import read
 from farm_test import BAKE, FarmCase
 
-FARM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "farm")
+FARM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "farm")
 
 # Each trouble happens once: worker 2 is killed in its tiles, worker 4 cannot write them, worker 0 is killed in the cache.
 TROUBLE = """\

@@ -11,7 +11,7 @@ import cli_case
 import tiny_scene
 from cli_case import Case
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 import make_truth_report as report
 
 

@@ -213,7 +213,7 @@ class Emission(SecondCase):
 class Meshopt(Case):
     def test_buffer_that_only_compressed_views_refer_to(self):
         """It needs neither a uri nor "fallback": nothing reads its bytes. One that a plain view reads does."""
-        assets = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "assets", "tests", "compressed")
+        assets = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "assets", "tests", "compressed")
         source = os.path.join(assets, "gltfpack_ext.glb")
 
         def unmarked(document):

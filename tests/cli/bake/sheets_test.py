@@ -12,7 +12,7 @@ import cli_case
 import sheet_scenes
 from cli_case import Case, read, run
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 from make_truth_report import read_exr
 
 FAST = ["--quality", "preview", "--samples", "64", "--reflection-probes", "off", "--lightmap-size", "256"]

@@ -13,7 +13,7 @@ import sys
 import cli_case
 from cli_case import QUICK, Case, read, run
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "scripts"))
 import make_truth_report as report
 
