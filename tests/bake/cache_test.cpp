@@ -3,6 +3,7 @@
 
 #include "bake/cache/cache.h"
 #include "bake/geometry/indices.h"
+#include "bake/same_bakes.h"
 #include "bake/test_scene.h"
 #include "base/temp_folder.h"
 
@@ -72,20 +73,6 @@ struct CacheTest : testing::Test {
         ADD_FAILURE() << "no stage " << stage;
         return 0;
     }
-    static void expectSame(const BakedScene& a, const BakedScene& b)
-    {
-        ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
-        for (std::size_t i = 0; i < a.lightmaps.size(); ++i)
-            EXPECT_EQ(a.lightmaps[i].texels(), b.lightmaps[i].texels());
-        ASSERT_EQ(a.shadowmasks.size(), b.shadowmasks.size());
-        for (std::size_t i = 0; i < a.shadowmasks.size(); ++i)
-            EXPECT_EQ(a.shadowmasks[i].texels(), b.shadowmasks[i].texels());
-        ASSERT_EQ(a.probes.probes.size(), b.probes.probes.size());
-        for (std::size_t i = 0; i < a.probes.probes.size(); ++i) {
-            EXPECT_EQ(a.probes.probes[i].radiance, b.probes.probes[i].radiance);
-            EXPECT_EQ(a.probes.probes[i].occlusion, b.probes.probes[i].occlusion);
-        }
-    }
     /// Mean relative difference of two lightmaps.
     static double difference(const BakedScene& a, const BakedScene& b)
     {
@@ -138,11 +125,11 @@ TEST_F(CacheTest, ASecondBakeTakesEverythingAndGivesTheSameBytes)
     const Scene scene = twoRooms();
     const BakeResult& plain = plainBake();
     const BakeResult& first = firstBake();
-    expectSame(plain.baked, first.baked);
+    expectSameBakes(plain.baked, first.baked);
     EXPECT_GT(first.report.cache.tiles, 10u);
     EXPECT_EQ(first.report.cache.same, 0u);
     const BakeResult second = run(scene, true);
-    expectSame(plain.baked, second.baked);
+    expectSameBakes(plain.baked, second.baked);
     EXPECT_EQ(second.report.cache.same, second.report.cache.tiles);
     for (const char* stage : {"lightmap", "shadowmask"}) EXPECT_EQ(raysOf(second.report, stage), 0u) << stage;
     // Where probes go along the edges of shadows is traced in each bake; what they hold comes from the cache.
@@ -167,7 +154,7 @@ TEST_F(InterruptedBake, GoesOn)
     const BakeResult resumed = run(scene, true);
     EXPECT_GT(resumed.report.cache.same, 0u);
     EXPECT_LT(resumed.report.cache.same, resumed.report.cache.tiles);
-    expectSame(run(scene, false).baked, resumed.baked);
+    expectSameBakes(run(scene, false).baked, resumed.baked);
 }
 
 // What `bake --cache` compares before it says "up to date".
@@ -226,7 +213,7 @@ TEST_F(CacheTest, BrokenPartsAreBakedAgain)
     }
     ASSERT_GT(parts, 4u);
     const BakeResult second = run(scene, true);
-    expectSame(first.baked, second.baked);
+    expectSameBakes(first.baked, second.baked);
     EXPECT_GT(second.report.cache.same, 0u);
     EXPECT_LT(second.report.cache.same, second.report.cache.tiles);
     EXPECT_EQ(run(scene, true).report.cache.same, second.report.cache.tiles) << "what was added can be read";
@@ -243,11 +230,11 @@ TEST_F(CacheTest, SeveralBakesShareOneFolder)
     for (std::size_t i = 0; i < results.size(); ++i)
         threads.emplace_back([&, i] { results[i] = run(i == 1 ? other : scene, true); });
     for (std::thread& thread : threads) thread.join();
-    expectSame(plain.baked, results[0].baked);
-    expectSame(plain.baked, results[2].baked);
+    expectSameBakes(plain.baked, results[0].baked);
+    expectSameBakes(plain.baked, results[2].baked);
     const BakeResult again = run(scene, true);
     EXPECT_EQ(again.report.cache.same, again.report.cache.tiles);
-    expectSame(plain.baked, again.baked);
+    expectSameBakes(plain.baked, again.baked);
 }
 
 /// A killed process leaves a file under a temporary name. It is removed once no running process can own it.

@@ -1,6 +1,7 @@
 // A device that is lost while a bake traces: every stage returns its error, and the cache keeps nothing of what
 // follows.
 
+#include "bake/same_bakes.h"
 #include "bake_cpu/trace/embree_kernels.h"
 #include "base/temp_folder.h"
 #include "test_room.h"
@@ -181,21 +182,6 @@ struct LostBakes : testing::Test {
         settings.cacheDirectory = folder / "cache";
     }
 
-    static void expectSame(const BakedScene& a, const BakedScene& b)
-    {
-        ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
-        for (std::size_t i = 0; i < a.lightmaps.size(); ++i)
-            EXPECT_EQ(a.lightmaps[i].texels(), b.lightmaps[i].texels());
-        ASSERT_EQ(a.shadowmasks.size(), b.shadowmasks.size());
-        for (std::size_t i = 0; i < a.shadowmasks.size(); ++i)
-            EXPECT_EQ(a.shadowmasks[i].texels(), b.shadowmasks[i].texels());
-        ASSERT_EQ(a.probes.probes.size(), b.probes.probes.size());
-        for (std::size_t i = 0; i < a.probes.probes.size(); ++i)
-            EXPECT_EQ(a.probes.probes[i].radiance, b.probes.probes[i].radiance);
-        EXPECT_EQ(a.reflections.probes.size(), b.reflections.probes.size());
-        EXPECT_EQ(a.reflections.picture.texels(), b.reflections.picture.texels());
-    }
-
     TempFolder folder;
     const CallsLeft left = std::make_shared<std::atomic<int64_t>>(kNever);
     BakeSettings settings;
@@ -222,7 +208,7 @@ TEST_F(LostBakes, LeaveNothingWrongInTheCacheS6)
         *left = kNever;
         const Result<BakeResult> again = bake(furnishedRoom(), settings, failing, {});
         ASSERT_TRUE(again) << again.error().text();
-        expectSame(whole->baked, again->baked);
+        expectSameBakes(whole->baked, again->baked);
     }
 }
 

@@ -51,6 +51,19 @@ Material& ownMaterialOf(Scene& scene, int object)
     return scene.materials.back();
 }
 
+/// What a site of the floor reflects when the slab over a column casts no realtime shadow.
+vec3 withoutCaster(int column, RunMode mode, const Scene& scene, const Site& site)
+{
+    const vec3 lightmap = lightmapOf(site.column);
+    const float realtime = site.column == column ? 1.0f : realtimeOf(mode, site.column);
+    if (mode == RunMode::Subtractive)
+        return indirectRadiance(
+            site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime, site.fade, vec3(0.0f), 1.0f));
+    return indirectRadiance(site.point, lightmap) +
+           directRadiance(site.point, scene.lights[0],
+                          attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
+}
+
 /// The object's switches, and its material's in place of them.
 class ReceiveShadowsS30 : public RenderTest, public testing::WithParamInterface<ModePath> {};
 INSTANTIATE_TEST_SUITE_P(, ReceiveShadowsS30,
@@ -103,16 +116,7 @@ TEST_P(ReceiveShadowsS30, CastOffLeavesOneCasterOut)
         }
         ASSERT_EQ(silenced, 1);
         const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-        expectSites(frame, [&, mode = mode](const Site& site) {
-            const vec3 lightmap = lightmapOf(site.column);
-            const float realtime = site.column == 2 ? 1.0f : realtimeOf(mode, site.column);
-            if (mode == RunMode::Subtractive)
-                return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
-                                                                      site.fade, vec3(0.0f), 1.0f));
-            return indirectRadiance(site.point, lightmap) +
-                   directRadiance(site.point, scene.lights[0],
-                                  attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
-        });
+        expectSites(frame, [&, mode = mode](const Site& site) { return withoutCaster(2, mode, scene, site); });
     }
 }
 
@@ -145,16 +149,7 @@ TEST_P(ReceiveShadowsS30, TurnedSinceTheBakeIsSaid)
     ASSERT_TRUE(renderer->setObjectShadows(caster, false, true));
     const RenderedFrame frame = draw(mode);
     EXPECT_TRUE(said(frame.plan, "\"slab " + std::to_string(caster) + "\": castShadows was switched off"));
-    expectSites(frame, [&, mode = mode](const Site& site) {
-        const vec3 lightmap = lightmapOf(site.column);
-        const float realtime = site.column == 1 ? 1.0f : realtimeOf(mode, site.column);
-        if (mode == RunMode::Subtractive)
-            return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
-                                                                  site.fade, vec3(0.0f), 1.0f));
-        return indirectRadiance(site.point, lightmap) +
-               directRadiance(site.point, scene.lights[0],
-                              attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
-    });
+    expectSites(frame, [&, mode = mode](const Site& site) { return withoutCaster(1, mode, scene, site); });
     EXPECT_TRUE(draw(RunMode::Realtime).plan.warnings.empty());
     ASSERT_TRUE(renderer->setObjectShadows(caster, true, true));
     EXPECT_TRUE(draw(mode).plan.warnings.empty());
