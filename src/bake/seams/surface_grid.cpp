@@ -33,8 +33,8 @@ void SurfaceGrid::dropCrowded(std::vector<Crossing>& crossings)
         if (i == 0 || crossing.texel != crossings[i - 1].texel) first = kept;
         const auto isSame = [&](const Crossing& other) {
             // In texels; samples of one seam are twice as far apart.
-            return glm::distance(crossing.line.place, other.line.place) < 0.25f &&
-                   glm::dot(crossing.line.outward, other.line.outward) > kSmoothCosine;
+            return glm::distance(crossing.place, other.place) < 0.25f &&
+                   glm::dot(crossing.outward, other.outward) > kSmoothCosine;
         };
         const auto begin = crossings.begin() + std::ptrdiff_t(first);
         const auto end = crossings.begin() + std::ptrdiff_t(kept);
@@ -53,8 +53,8 @@ SurfaceGrid::SurfaceGrid(const TexelMap& map, std::span<const SeamSample> seams)
         const uint32_t a = grid_.atPlace(uint32_t(seam.pageA), seam.texelA - kInsetTexels * seam.outwardA);
         const uint32_t b = grid_.atPlace(uint32_t(seam.pageB), seam.texelB - kInsetTexels * outwardB);
         if (a == kNoTexel || b == kNoTexel) continue;
-        crossings_.push_back({a, b, {seam.texelA, seam.outwardA}, seam.texelB, seam.acrossFromA});
-        crossings_.push_back({b, a, {seam.texelB, outwardB}, seam.texelA, back});
+        crossings_.push_back({a, b, seam.texelA, seam.outwardA, seam.texelB, seam.acrossFromA});
+        crossings_.push_back({b, a, seam.texelB, outwardB, seam.texelA, back});
         chartHasSeams_[map.texels[a].chart] = 1;
         chartHasSeams_[map.texels[b].chart] = 1;
     }
@@ -66,8 +66,6 @@ SurfaceGrid::SurfaceGrid(const TexelMap& map, std::span<const SeamSample> seams)
 
 void SurfaceGrid::indexCrossings()
 {
-    lines_.reserve(crossings_.size());
-    for (const Crossing& crossing : crossings_) lines_.push_back(crossing.line);
     firstCrossing_.assign(map_.texels.size() + 1, 0);
     for (const Crossing& crossing : crossings_) ++firstCrossing_[crossing.texel + 1];
     for (std::size_t i = 1; i < firstCrossing_.size(); ++i) firstCrossing_[i] += firstCrossing_[i - 1];
@@ -92,11 +90,11 @@ const SurfaceGrid::Crossing* SurfaceGrid::crossingNear(uint32_t texel, vec2 exit
         const int i = std::countr_zero(left);
         const uint32_t border = onChart(texel, i % 3 - 1, i / 3 - 1);
         for (uint32_t l = firstCrossing_[border]; l < firstCrossing_[border + 1]; ++l) {
-            const CrossingLine& line = lines_[l];
-            const float distance = glm::dot(line.place - exit, line.place - exit);
-            if (distance >= least || glm::dot(to - line.place, line.outward) <= 0.0f) continue;
+            const Crossing& crossing = crossings_[l];
+            const float distance = glm::dot(crossing.place - exit, crossing.place - exit);
+            if (distance >= least || glm::dot(to - crossing.place, crossing.outward) <= 0.0f) continue;
             least = distance;
-            nearest = &crossings_[l];
+            nearest = &crossing;
         }
     }
     return nearest;
@@ -120,7 +118,7 @@ std::optional<SurfaceGrid::ChartPlace> SurfaceGrid::placeBeyond(uint32_t texel, 
         if (step > steps) return ChartPlace{to, texel};
         const Crossing* crossing = crossingNear(texel, from + line * ((float(step) - 0.5f) / float(steps)), to);
         if (crossing == nullptr) return std::nullopt;
-        to = crossing->targetPlace + crossing->across * (to - crossing->line.place);
+        to = crossing->targetPlace + crossing->across * (to - crossing->place);
         from = crossing->targetPlace;
         texel = crossing->target;
     }

@@ -53,16 +53,12 @@ public:
     }
 
 private:
-    /// A seam sample seen from one of its sides: where it lies on that side's page,
-    struct CrossingLine {
-        vec2 place{0.0f}; ///< texels
-        vec2 outward{0.0f};
-    };
-    /// and what lies behind it.
+    /// A seam sample seen from one of its sides.
     struct Crossing {
         uint32_t texel = kNoTexel;  ///< at the border, on this side
         uint32_t target = kNoTexel; ///< on the other side
-        CrossingLine line;
+        vec2 place{0.0f};           ///< on this side's page, texels
+        vec2 outward{0.0f};
         vec2 targetPlace{0.0f};
         mat2 across{1.0f}; ///< offsets on the other side's page for offsets on this one's
     };
@@ -80,7 +76,6 @@ private:
     const TexelMap& map_;
     TexelGrid grid_;
     std::vector<Crossing> crossings_;     ///< sorted by texel
-    std::vector<CrossingLine> lines_;     ///< of the crossings: the search among them reads nothing else
     std::vector<uint32_t> firstCrossing_; ///< by texel, and one more
     /// By texel, bit i: texel i of the 3 × 3 around it, row by row, has crossings and lies on its chart.
     std::vector<uint16_t> crossingsAround_;
