@@ -156,8 +156,9 @@ void seamsOf(const Options& options, const std::string& name, bool bakeLights)
         std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
         denoise(scene.geometry, scene.map, {}, estimates, false);
         TexelValues values = splitEstimates(estimates);
-        fillInvalid(scene.geometry, scene.map, values.valid, values.irradiance);
-        fillInvalid(scene.geometry, scene.map, values.valid, values.direct);
+        const std::vector<uint8_t> valid = validTexels(estimates);
+        fillInvalid(scene.geometry, scene.map, valid, values.irradiance);
+        fillInvalid(scene.geometry, scene.map, valid, values.direct);
         return std::array{dilate(scene.map, values.irradiance, kDilationRings),
                           dilate(scene.map, values.direct, kDilationRings)};
     };

@@ -81,23 +81,24 @@ Status denoiseStage(const BakeRun& run, const CachedIntegrator& cached, std::spa
 
 /// From estimates to encoded pages. Arrays are released as soon as they are no longer needed, `estimates` too.
 Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
-                          std::vector<IrradianceEstimate>& estimates, const std::optional<MainLight>& main,
-                          const std::vector<SeamSample>& seams, BakeReport& report)
+                          std::vector<IrradianceEstimate>& estimates, const std::vector<uint8_t>& valid,
+                          const std::optional<MainLight>& main, const std::vector<SeamSample>& seams,
+                          BakeReport& report)
 {
     BakedScene& baked = run.baked();
     TexelValues values = splitEstimates(estimates);
-    std::vector<vec3> moments(report.quality.directional ? estimates.size() : 0);
+    const bool directional = run.report().quality.directional;
+    std::vector<vec3> moments(directional ? estimates.size() : 0);
     forEachIndex(moments.size(), [&](std::size_t i) { moments[i] = estimates[i].moment; });
     release(estimates);
     if (main) {
-        baked.defaultShadowColor =
-            chooseShadowColor(*main, values.irradiance, values.valid, run.settings.subtractiveMask);
+        baked.defaultShadowColor = chooseShadowColor(*main, values.irradiance, valid, run.settings.subtractiveMask);
         main->addTo(values.irradiance);
         main->addTo(values.direct);
     }
     StageTimer fillTimer(report, "fill");
-    fillInvalid(cached.geometry, cached.map, values.valid, values.irradiance);
-    fillInvalid(cached.geometry, cached.map, values.valid, values.direct);
+    fillInvalid(cached.geometry, cached.map, valid, values.irradiance);
+    fillInvalid(cached.geometry, cached.map, valid, values.direct);
     fillTimer.finish();
     StageTimer timer(report, "seams");
     std::vector<ImageRgb32f>& pages = run.result.irradiance;
@@ -115,9 +116,9 @@ Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
     encodeTimer.finish();
-    if (!report.quality.directional) return {};
+    if (!directional) return {};
     if (main) main->addMomentTo(moments);
-    fillInvalid(cached.geometry, cached.map, values.valid, moments);
+    fillInvalid(cached.geometry, cached.map, valid, moments);
     std::vector<ImageRgb32f> momentPages = dilate(cached.map, moments, kDilationRings);
     stitchSeams(cached.map, seams, weights, momentPages);
     baked.lightmapDirections = encodeDirections(pages, momentPages);
@@ -233,11 +234,10 @@ Status pagesAndProbes(const BakeRun& run, const CachedIntegrator& cached, std::v
     const std::vector<uint8_t> valid = validTexels(estimates);
     BakeReport pagesReport; // of the background, which must not write to the bake's own
     pagesReport.began = run.report().began;
-    pagesReport.quality = run.report().quality;
     Status made;
     Status traced;
     Background pages;
-    pages.run([&] { made = lightmapPagesStage(run, cached, estimates, main, seams, pagesReport); });
+    pages.run([&] { made = lightmapPagesStage(run, cached, estimates, valid, main, seams, pagesReport); });
     inIsolation([&] {
         traced = shadowmaskStage(run, cached, valid, seams, pagesReport, pages);
         if (traced) traced = probeStage(run, cached);

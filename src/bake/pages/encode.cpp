@@ -73,7 +73,7 @@ std::vector<uint8_t> validTexels(const std::vector<IrradianceEstimate>& estimate
 TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
 {
     const std::size_t count = estimates.size();
-    TexelValues values{largeVector<vec3>(count), largeVector<vec3>(count), validTexels(estimates)};
+    TexelValues values{largeVector<vec3>(count), largeVector<vec3>(count)};
     forEachIndex(count, [&](std::size_t i) {
         values.irradiance[i] = estimates[i].irradiance;
         values.direct[i] = estimates[i].direct;

@@ -12,11 +12,10 @@ namespace halflight {
 struct TexelValues {
     std::vector<vec3> irradiance; ///< lux
     std::vector<vec3> direct;     ///< lux: IrradianceEstimate::direct
-    std::vector<uint8_t> valid;   ///< 0: inside geometry
 };
+TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates);
 /// 1 for each texel that is not inside geometry.
 std::vector<uint8_t> validTexels(const std::vector<IrradianceEstimate>& estimates);
-TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates);
 
 /// Lux per unit of the encoded lightmap: the smallest power of two, 1 or more, for which no finite texel is clamped. A
 /// power of two changes no mantissa.
