@@ -18,7 +18,8 @@ extern "C" void __tsan_release(void*); // NOLINT
 
 namespace halflight {
 
-/// What ThreadSanitizer has to know of a parallelFor(): its bodies begin after the call and end before the return.
+/// What ThreadSanitizer has to know of parallelFor() and Background: bodies begin after the object is made and end
+/// before joined().
 /// oneTBB's own synchronization is not instrumented. Empty in other builds.
 class ForkAndJoin {
 public:

@@ -37,16 +37,15 @@ public:
                 tryShapes(0, shapes.size());
             for (std::size_t i = 0; i < shapes.size(); ++i) {
                 if (!places[i] || places[i]->y + shapes[i].size.y > bestEnd) continue;
-                if (used == nullptr) placement.at = *places[i];
-                if (used == nullptr) used = &shapes[i];
+                used = &shapes[i];
+                placement.at = *places[i];
+                placement.orientation = used->orientation;
+                page_.mark(*used, placement.at);
+                firstRow_[key(*used)] = placement.at.y;
+                return true;
             }
-            if (used != nullptr) break;
         }
-        if (used == nullptr) return false;
-        placement.orientation = used->orientation;
-        page_.mark(*used, placement.at);
-        firstRow_[key(*used)] = placement.at.y;
-        return true;
+        return false;
     }
 
     void takeBack(const Shape& shape, ivec2 at)

@@ -104,9 +104,10 @@ double expectedShare(const std::vector<GroupLayout>& groups, const PageSettings&
     constexpr double kMostPadding = 0.5; // of the small page: with more, charts fill it in another way
     const TexelEstimate estimate = estimateTexels(groups, settings.padding);
     PageSettings small = settings;
+    const auto isCrowded = [&] { return estimate.constant > kMostPadding * texelsOf(small); };
     small.pageSize = settings.pageSize / 4;
-    if (estimate.constant > kMostPadding * texelsOf(small)) small.pageSize = settings.pageSize / 2;
-    if (small.pageSize < 128 || estimate.constant > kMostPadding * texelsOf(small)) return kUsual;
+    if (isCrowded()) small.pageSize = settings.pageSize / 2;
+    if (small.pageSize < 128 || isCrowded()) return kUsual;
     const double density = std::min(estimate.densityOf(0.9 * texelsOf(small)), densityOfLargest(groups, small));
     const std::optional<OpenPage> open = packOpenPage(groups, small, density, rowsOfOpenPage(small.pageSize), progress);
     if (!open || open->height < small.pageSize / 2) return kUsual;
