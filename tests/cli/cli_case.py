@@ -73,10 +73,10 @@ class Case(unittest.TestCase):
         tiny_scene.write(path, **arguments)
         return path
 
-    def bake(self, scene, name, *arguments):
+    def bake(self, scene, name, *arguments, effort=QUICK):
         """Bakes in seconds; returns the file and the report."""
         output = self.path(name)
-        result = run("bake", scene, "-o", output, *QUICK, "--json", *arguments)
+        result = run("bake", scene, "-o", output, *effort, "--json", *arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         return output, json.loads(result.stdout)
 

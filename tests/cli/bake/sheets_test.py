@@ -31,10 +31,7 @@ def document_of(path):
 
 class SheetCase(Case):
     def baked(self, scene, *options, name="baked.glb"):
-        output = self.path(name)
-        result = run("bake", scene, "-o", output, *FAST, "--json", *options)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        return output, json.loads(result.stdout)
+        return self.bake(scene, name, *options, effort=FAST)
 
     def picture(self, file, *options):
         """Luminance by row and column."""
