@@ -37,7 +37,6 @@ find_package(tomlplusplus REQUIRED)
 
 # Header-only in Debian's package and in vcpkg's, each under its own folder.
 find_path(STB_INCLUDE_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)
-find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 
 # Embree 4, or 3 on Debian 12. Sources include "bake_cpu/trace/embree.h", which hides the difference.
 find_package(embree 4 QUIET)

@@ -21,7 +21,7 @@ installed() { [[ "$(dpkg-query -W -f='${Status}' "$1" 2>/dev/null)" == *"ok inst
 
 build_packages=(
   build-essential cmake ninja-build pkg-config ccache python3 dpkg-dev fakeroot file
-  libembree-dev libtbb-dev libglm-dev libtinygltf-dev libopenexr-dev libstb-dev libzstd-dev libeigen3-dev
+  libembree-dev libtbb-dev libglm-dev libopenexr-dev libstb-dev libzstd-dev libeigen3-dev
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libpng-dev zlib1g-dev libxxhash-dev
   libdraco-dev libmeshoptimizer-dev libwebp-dev
   libvulkan-dev glslang-tools spirv-tools

@@ -22,7 +22,7 @@ mkdir -p $top
 build_headers() {
   local package
   for package in libglm-dev libcli11-dev nlohmann-json3-dev libeigen3-dev; do packaged $package bookworm include share; done
-  for package in libstb-dev libtinygltf-dev; do packaged $package bookworm include; done
+  packaged libstb-dev bookworm include
 }
 
 build_imath() {

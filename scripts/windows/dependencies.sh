@@ -34,7 +34,7 @@ prepare_apt() {
 build_headers() {
   local package
   for package in libglm-dev libcli11-dev nlohmann-json3-dev libeigen3-dev; do packaged $package bookworm include share; done
-  for package in libstb-dev libtinygltf-dev libvulkan-dev libtomlplusplus-dev; do packaged $package bookworm include; done
+  for package in libstb-dev libvulkan-dev libtomlplusplus-dev; do packaged $package bookworm include; done
   mkdir -p "$prefix/lib/cmake/tomlplusplus"
   echo 'add_library(tomlplusplus::tomlplusplus INTERFACE IMPORTED)' >"$prefix/lib/cmake/tomlplusplus/tomlplusplusConfig.cmake"
 }

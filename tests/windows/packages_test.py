@@ -30,7 +30,7 @@ LICENCES = {
     "xxhash": "xxhash", "fmt": "fmtlib", "spdlog": "spdlog",
 }  # fmt: skip
 # Those of headers, of the compiler's libraries and of Windows' own functions.
-OTHERS = {"libcli11-dev", "libdraco-dev", "libeigen3-dev", "libglm-dev", "libstb-dev", "libtinygltf-dev", "libtomlplusplus-dev",
+OTHERS = {"libcli11-dev", "libdraco-dev", "libeigen3-dev", "libglm-dev", "libstb-dev", "libtomlplusplus-dev",
           "libvulkan-dev", "nlohmann-json3-dev", "gcc", "mingw-w64"}  # fmt: skip
 OF_WINDOWS = {"KERNEL32.dll", "ADVAPI32.dll", "msvcrt.dll"}
 

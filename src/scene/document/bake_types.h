@@ -14,7 +14,7 @@ enum class Kind {
     Flag,
     Number,
     Index,   // unsigned, at most 31 bits: indices, enumerators, small counts
-    Length,  // unsigned, any size: bytes and counts, whose limits validate.cpp knows
+    Length,  // unsigned, at most 32 bits: bytes and counts
     Signed,  // an integer
     Indices, // an array of `count` unsigned integers
     Numbers, // an array of `count` numbers; 0 = any number of them

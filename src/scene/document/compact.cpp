@@ -15,11 +15,6 @@ void visitMember(Json& object, const char* key, const Visit& visit)
     if (Json* index = find(object, key); index != nullptr && index->is_number_integer()) visit(*index);
 }
 
-void eachPrimitive(Json& document, const Visit& visit)
-{
-    each(find(document, "meshes"), [&](Json& mesh) { each(find(mesh, "primitives"), visit); });
-}
-
 // The calls below visit each reference to an element of an array.
 
 void visitMeshes(Json& document, const Visit& visit)

@@ -96,7 +96,7 @@ void DocumentPatcher::embedImages()
     std::map<std::string, int> viewOfUri; // images may share a file
     for (std::size_t i = 0; i < images->size(); ++i) {
         Json& image = (*images)[i];
-        if (!image.contains("uri") || i >= source_.model.images.size()) continue;
+        if (!image.contains("uri") || i >= member(source_.json, "images").size()) continue;
         const std::string uri = member(image, "uri").dump();
         auto bytes = imageBytes(source_, int(i));
         if (!bytes) continue; // an image that no material uses may be missing: it stays as it is
@@ -115,7 +115,8 @@ std::vector<FinishedDocument::File> DocumentPatcher::takeOutImages(const std::st
     std::vector<FinishedDocument::File> files;
     std::map<std::string, std::string> nameOf; // by the image's place in the source: images may share it
     Json* images = find(json, "images");
-    for (std::size_t i = 0; images != nullptr && i < std::min(images->size(), source_.model.images.size()); ++i) {
+    const std::size_t sourceImages = member(source_.json, "images").size();
+    for (std::size_t i = 0; images != nullptr && i < std::min(images->size(), sourceImages); ++i) {
         if (isNew(member((*images)[i], "bufferView"))) continue; // the bake's own, in a place of an earlier bake
         auto bytes = imageBytes(source_, int(i));
         if (!bytes) continue; // an image that no material uses may be missing: it stays as it is
@@ -179,8 +180,7 @@ void DocumentPatcher::place()
     std::set<int> ignored;
     collectReferences(json, accessorsNow, ignored);
     // An accessor without data is all zeros.
-    const Json emptyAccessor = {
-        {"componentType", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE}, {"count", 1}, {"type", "SCALAR"}};
+    const Json emptyAccessor = {{"componentType", gltf::kUnsignedByte}, {"count", 1}, {"type", "SCALAR"}};
     const auto accessorPlaces = fill(
         "accessors", vacant(accessorsBefore_, accessorsNow), newAccessors_.size(),
         [&](std::size_t i) { return newAccessors_[i]; }, emptyAccessor);
@@ -222,9 +222,9 @@ std::vector<std::byte> DocumentPatcher::assemble()
         std::vector<std::size_t> views;
     };
     std::vector<Range> ranges;
-    const auto& sourceViews = source_.model.bufferViews;
+    const std::size_t sourceViews = member(source_.json, "bufferViews").size();
     for (std::size_t i = 0; i < views->size(); ++i) {
-        if (viewOf_.count(int(i)) != 0 || i >= sourceViews.size()) continue;
+        if (viewOf_.count(int(i)) != 0 || i >= sourceViews) continue;
         const Json& view = (*views)[i];
         const auto begin = view.value("byteOffset", std::size_t(0));
         ranges.push_back({view.value("buffer", 0), begin, begin + view["byteLength"].get<std::size_t>(), {i}});
@@ -242,10 +242,9 @@ std::vector<std::byte> DocumentPatcher::assemble()
         }
     }
     for (const Range& range : merged) {
-        const auto& data = source_.model.buffers[std::size_t(range.buffer)].data;
+        const std::byte* bytes = source_.buffers[std::size_t(range.buffer)].data();
         alignTo(range.begin % kAlignment);
         const std::size_t start = binary.size();
-        const auto* bytes = reinterpret_cast<const std::byte*>(data.data());
         binary.insert(binary.end(), bytes + range.begin, bytes + range.end);
         for (const std::size_t view : range.views) {
             Json& object = (*views)[view];

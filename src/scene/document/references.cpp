@@ -15,17 +15,20 @@ void each(Json* list, const std::function<void(Json&)>& visit)
     for (Json& item : *list) visit(item);
 }
 
+void eachPrimitive(Json& document, const std::function<void(Json&)>& visit)
+{
+    each(find(document, "meshes"), [&](Json& mesh) { each(find(mesh, "primitives"), visit); });
+}
+
 void visitAccessors(Json& document, const std::function<void(Json&)>& visit)
 {
     const auto visitMember = [&](Json& object, const char* key) {
         if (Json* index = find(object, key)) visit(*index);
     };
-    each(find(document, "meshes"), [&](Json& mesh) {
-        each(find(mesh, "primitives"), [&](Json& primitive) {
-            visitMember(primitive, "indices");
-            each(find(primitive, "attributes"), visit);
-            each(find(primitive, "targets"), [&](Json& target) { each(&target, visit); });
-        });
+    eachPrimitive(document, [&](Json& primitive) {
+        visitMember(primitive, "indices");
+        each(find(primitive, "attributes"), visit);
+        each(find(primitive, "targets"), [&](Json& target) { each(&target, visit); });
     });
     each(find(document, "skins"), [&](Json& skin) { visitMember(skin, "inverseBindMatrices"); });
     each(find(document, "animations"), [&](Json& animation) {

@@ -22,5 +22,7 @@ void visitViews(Json& document, const std::function<void(Json&)>& visit);
 Json* find(Json& object, const char* key);
 /// The items of an array or object; of null, and of others, there are none.
 void each(Json* list, const std::function<void(Json&)>& visit);
+/// Calls visit(primitive) on those of all meshes.
+void eachPrimitive(Json& document, const std::function<void(Json&)>& visit);
 
 } // namespace halflight

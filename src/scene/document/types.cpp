@@ -32,19 +32,19 @@ constexpr Rule kRules[] = {
     {"bufferViews/*/byteStride", Kind::Length},
     {"bufferViews/*/target", Kind::Index},
     {"accessors/*/bufferView", Kind::Index},
-    {"accessors/*/byteOffset", Kind::Length},
+    {"accessors/*/byteOffset", Kind::Index},
     {"accessors/*/componentType", Kind::Index},
-    {"accessors/*/count", Kind::Length},
+    {"accessors/*/count", Kind::Index},
     {"accessors/*/type", Kind::Text},
     {"accessors/*/normalized", Kind::Flag},
     {"accessors/*/min", Kind::Bounds},
     {"accessors/*/max", Kind::Bounds},
-    {"accessors/*/sparse/count", Kind::Length},
+    {"accessors/*/sparse/count", Kind::Index},
     {"accessors/*/sparse/indices/bufferView", Kind::Index},
-    {"accessors/*/sparse/indices/byteOffset", Kind::Length},
+    {"accessors/*/sparse/indices/byteOffset", Kind::Index},
     {"accessors/*/sparse/indices/componentType", Kind::Index},
     {"accessors/*/sparse/values/bufferView", Kind::Index},
-    {"accessors/*/sparse/values/byteOffset", Kind::Length},
+    {"accessors/*/sparse/values/byteOffset", Kind::Index},
 
     {"images/*/uri", Kind::Text},
     {"images/*/mimeType", Kind::Text},
@@ -137,12 +137,23 @@ constexpr Rule kRules[] = {
 
 };
 
-// Members without which the parser gives up on the whole file, with a sentence that names no object.
+// Members that glTF 2.0 requires, of those that no other check asks for.
 constexpr std::pair<std::string_view, std::string_view> kRequired[] = {
     {"accessors/*", "type"},
+    {"accessors/*", "componentType"},
+    {"accessors/*", "count"},
+    {"accessors/*/sparse", "count"},
+    {"accessors/*/sparse", "indices"},
+    {"accessors/*/sparse", "values"},
+    {"accessors/*/sparse/indices", "bufferView"},
+    {"accessors/*/sparse/indices", "componentType"},
+    {"accessors/*/sparse/values", "bufferView"},
     {"animations/*/channels/*", "sampler"},
     {"animations/*/samplers/*", "input"},
     {"animations/*/samplers/*", "output"},
+    {"buffers/*", "byteLength"},
+    {"bufferViews/*", "buffer"},
+    {"bufferViews/*", "byteLength"},
     {"cameras/*", "type"},
     {"cameras/*/perspective", "yfov"},
     {"cameras/*/perspective", "znear"},
@@ -264,7 +275,8 @@ std::string expectation(const Json& value, const Shape& shape)
     case Kind::Index:
         return isIndex(value) ? "" : "an unsigned integer below 2^31";
     case Kind::Length:
-        return value.is_number_unsigned() ? "" : "an unsigned integer";
+        return value.is_number_unsigned() && value.get<uint64_t>() <= 0xffffffffu ? ""
+                                                                                  : "an unsigned integer below 2^32";
     case Kind::Signed:
         return value.is_number_integer() ? "" : "an integer";
     case Kind::Indices:

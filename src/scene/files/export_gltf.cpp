@@ -174,9 +174,8 @@ private:
         auto uvs = readVectors<2>(source_, accessor);
         if (!uvs) return uvs.error();
         for (vec2& uv : *uvs) uv = glm::clamp(place.scale * uv + place.offset, 0.0f, 1.0f);
-        it->second = patcher_.addAccessor(
-            {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", uvs->size()}, {"type", "VEC2"}},
-            {bytesOf(*uvs), 0, TINYGLTF_TARGET_ARRAY_BUFFER});
+        it->second = patcher_.addAccessor({{"componentType", gltf::kFloat}, {"count", uvs->size()}, {"type", "VEC2"}},
+                                          {bytesOf(*uvs), 0, gltf::kVertices});
         return it->second;
     }
 

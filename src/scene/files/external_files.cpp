@@ -13,7 +13,7 @@ std::vector<std::filesystem::path> externalFiles(const SourceDocument& document)
 {
     std::vector<std::filesystem::path> files;
     std::vector<std::string> uris = document.bufferUris;
-    for (const auto& image : document.model.images) uris.push_back(image.uri);
+    for (const Json& image : member(document.json, "images")) uris.push_back(stringOf(image, "uri"));
     for (const std::string& uri : uris) {
         if (uri.empty() || isDataUri(uri)) continue;
         files.push_back(document.directory / percentDecoded(uri));

@@ -76,10 +76,9 @@ private:
         const bool isOwn = std::all_of(accessors.begin(), accessors.end(), [&](int a) { return useCount_[a] == 1; });
         if (!json["attributes"].contains("POSITION")) return {}; // nothing that shows: it stays as it is
         const Json& mode = member(json, "mode");
-        const std::size_t vertexCount =
-            source_.model.accessors[json["attributes"]["POSITION"].get<std::size_t>()].count;
+        const std::size_t vertexCount = elementCount(source_, attributeOf(json, "POSITION"));
         VertexOrder order;
-        if (mode.is_null() || mode == TINYGLTF_MODE_TRIANGLES) {
+        if (mode.is_null() || mode == gltf::kTriangles) {
             std::vector<uint32_t> indices;
             if (const Json& index = member(json, "indices"); !index.is_null()) {
                 auto read = readIntegers(source_, index.get<int>());
@@ -88,7 +87,7 @@ private:
             }
             if (std::any_of(indices.begin(), indices.end(), [&](uint32_t i) { return i >= vertexCount; }))
                 return invalid("/meshes", "an index is beyond its vertices");
-            order = orderForMeshopt(trianglesOf(TINYGLTF_MODE_TRIANGLES, indices, vertexCount), vertexCount, isOwn);
+            order = orderForMeshopt(trianglesOf(gltf::kTriangles, indices, vertexCount), vertexCount, isOwn);
             if (!order.indices.empty()) json["indices"] = indexAccessor(order);
         }
         const std::size_t id = isOwn ? nextOrder_++ : 0;
@@ -109,16 +108,15 @@ private:
     {
         const bool isShort = order.vertexCount <= 65535; // 65535 itself means "restart"
         NewView view;
-        view.target = TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER;
+        view.target = gltf::kIndices;
         const std::size_t bytes = isShort ? 2 : 4;
         view.bytes.resize(order.indices.size() * bytes);
         for (std::size_t i = 0; i < order.indices.size(); ++i)
             std::memcpy(&view.bytes[i * bytes], &order.indices[i], bytes);
-        return patcher_.addAccessor(
-            {{"componentType", isShort ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT},
-             {"count", order.indices.size()},
-             {"type", "SCALAR"}},
-            std::move(view));
+        return patcher_.addAccessor({{"componentType", isShort ? gltf::kUnsignedShort : gltf::kUnsignedInt},
+                                     {"count", order.indices.size()},
+                                     {"type", "SCALAR"}},
+                                    std::move(view));
     }
 
     // Replaces the accessor's index by that of a new one: once for each order of vertices.
@@ -143,10 +141,10 @@ private:
         Json json = source_.json["accessors"][std::size_t(index)];
         for (const char* gone : {"bufferView", "byteOffset", "sparse", "min", "max"}) json.erase(gone);
         json["count"] = sourceOf.size();
-        NewView bytes = view->componentType == TINYGLTF_COMPONENT_TYPE_FLOAT && kind != Kind::Other
+        NewView bytes = view->componentType == gltf::kFloat && kind != Kind::Other
                             ? fromFloats(*view, sourceOf, kind, json)
                             : asTheyAre(*view, sourceOf, json, kind);
-        bytes.target = TINYGLTF_TARGET_ARRAY_BUFFER;
+        bytes.target = gltf::kVertices;
         converted_[key] = patcher_.addAccessor(std::move(json), std::move(bytes));
         accessor = converted_[key];
         return {};
@@ -203,10 +201,9 @@ private:
             }
         }
         if (kind == Kind::Unit) return unitVectors(values, view.components, json);
-        if (kind == Kind::Coordinates && isFraction)
-            return fractions<uint16_t>(values, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, json);
+        if (kind == Kind::Coordinates && isFraction) return fractions<uint16_t>(values, gltf::kUnsignedShort, json);
         if (kind == Kind::Color && isFraction && view.components == 4)
-            return fractions<uint8_t>(values, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, json);
+            return fractions<uint8_t>(values, gltf::kUnsignedByte, json);
         int bits = kDeltaBits;
         if (kind == Kind::Position) bits = kPositionBits;
         if (kind == Kind::Coordinates || kind == Kind::Color) bits = kCoordinateBits;
@@ -238,7 +235,7 @@ private:
             padded.insert(padded.end(), values.begin() + std::ptrdiff_t(i), values.begin() + std::ptrdiff_t(i + n));
             if (n == 3) padded.push_back(0.0f);
         }
-        json["componentType"] = TINYGLTF_COMPONENT_TYPE_BYTE;
+        json["componentType"] = gltf::kByte;
         json["normalized"] = true;
         json[kMeshoptPlan] = {{"filter", "OCTAHEDRAL"}, {"bits", kUnitBits}};
         return NewView{bytesOf(padded)};

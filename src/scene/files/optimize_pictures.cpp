@@ -47,7 +47,7 @@ private:
     void add(const Json& reference, Use use)
     {
         const Json& index = member(reference, "index");
-        if (!index.is_number_unsigned() || index.get<uint64_t>() >= member(document_, "textures").size()) return;
+        if (!isIndexInto(document_, "textures", index)) return;
         const int image = pictureImage(document_, index.get<int>());
         if (image < 0 || std::size_t(image) >= uses_.size()) return;
         uses_[std::size_t(image)] = std::max(uses_[std::size_t(image)], use);
@@ -100,9 +100,8 @@ void replace(DocumentPatcher& patcher, Picture& picture, int placeholder)
 int placeholderOf(const Json& document)
 {
     const Json& lightmaps = member(extensionOf(document, "HALFLIGHT_mixed_lighting"), "lightmaps");
-    if (lightmaps.empty() || !member(lightmaps[0], "index").is_number_unsigned()) return -1;
-    const Json& source = member(element(document, "textures", lightmaps[0]["index"].get<int>()), "source");
-    return source.is_number_unsigned() ? source.get<int>() : -1;
+    return lightmaps.empty() ? -1
+                             : integerOf(element(document, "textures", integerOf(lightmaps[0], "index")), "source");
 }
 
 struct Lightmaps {

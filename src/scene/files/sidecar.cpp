@@ -7,6 +7,7 @@
 #include "scene/document/document.h"
 #include "scene/document/patcher.h"
 #include "scene/load/load_document.h"
+#include "scene/read/geometry/nodes.h"
 #include "scene/write/write_bake_pictures.h"
 #include "scene/write/write_probes.h"
 
@@ -123,7 +124,7 @@ private:
     // The way to each node: places among the scene's nodes, then among children.
     void findPaths()
     {
-        const Json& scene = element(document_.json, "scenes", std::max(0, document_.model.defaultScene));
+        const Json& scene = activeScene(document_);
         visit(member(scene, "nodes"), {});
     }
     void visit(const Json& list, const std::vector<int>& above)

@@ -12,12 +12,10 @@ inline Result<int> accessorIndex(const SourceDocument& document, const Json& obj
                                  const std::string& path)
 {
     const Json& index = member(object, key);
-    if (!index.is_number_unsigned() || index.get<uint64_t>() >= document.model.accessors.size()) {
+    if (!isIndexInto(document.json, "accessors", index))
         return invalid(path, std::string(key) + " refers to an accessor that does not exist");
-    }
-    if (document.model.accessors[index.get<std::size_t>()].count != count) {
+    if (elementCount(document, index.get<int>()) != count)
         return invalid(path, std::string(key) + " does not have " + std::to_string(count) + " elements");
-    }
     return index.get<int>();
 }
 

@@ -90,9 +90,7 @@ vec2 rectangleScale(const SourceDocument& document, const Json& node)
     }
     const Json& attributes = member(extensionOf(node, "EXT_mesh_gpu_instancing"), "attributes");
     const Json& accessor = member(attributes, "_HALFLIGHT_LIGHTMAP_ST");
-    if (lightmap.is_null() || !accessor.is_number_unsigned() ||
-        accessor.get<uint64_t>() >= document.model.accessors.size())
-        return vec2(0.0f);
+    if (lightmap.is_null() || !isIndexInto(document.json, "accessors", accessor)) return vec2(0.0f);
     const auto rectangles = readVectors<4>(document, accessor.get<int>());
     if (!rectangles) return vec2(0.0f);
     for (const vec4& rectangle : *rectangles) {

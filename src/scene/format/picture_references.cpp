@@ -22,11 +22,9 @@ int pictureImage(const Json& document, int texture)
 {
     const Json& json = element(document, "textures", texture);
     for (const char* name : {kKtx2Extension, "EXT_texture_webp"}) {
-        const Json& source = member(extensionOf(json, name), "source");
-        if (source.is_number_unsigned()) return source.get<int>();
+        if (const int source = integerOf(extensionOf(json, name), "source"); source >= 0) return source;
     }
-    const Json& source = member(json, "source");
-    return source.is_number_unsigned() ? source.get<int>() : -1;
+    return integerOf(json, "source");
 }
 
 } // namespace halflight

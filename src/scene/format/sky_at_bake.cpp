@@ -20,11 +20,10 @@ bool skyDiffersFrom(const Sky& skyOfFile, const Json& atBake)
         return readVector(member(atBake, key), then) &&
                glm::distance(now, then) > 1.0e-3f * std::max(glm::length(now), glm::length(then));
     };
-    const Json& then = member(atBake, "picture");
     const std::string hash =
         skyOfFile.picture == nullptr ? "" : pictureHash(*skyOfFile.picture, skyOfFile.rotationRadians);
     return differs("zenith", skyOfFile.zenith) || differs("horizon", skyOfFile.horizon) ||
-           differs("ground", skyOfFile.ground) || hash != (then.is_string() ? then.get<std::string>() : "");
+           differs("ground", skyOfFile.ground) || hash != stringOf(atBake, "picture");
 }
 
 } // namespace halflight

@@ -29,6 +29,16 @@ std::optional<std::size_t> firstNotFinite(const AccessorView& view)
     return std::nullopt;
 }
 
+/// Calls visit(index) on the accessors of tangents of a primitive's vertices and of its morph targets.
+void visitTangents(Json& primitive, const std::function<void(Json&)>& visit)
+{
+    const auto visitMember = [&](Json& attributes) {
+        if (Json* index = find(attributes, kTangent)) visit(*index);
+    };
+    visitMember(primitive["attributes"]);
+    each(find(primitive, "targets"), visitMember);
+}
+
 /// Accessors that are tangents of vertices or of morph targets and nothing else.
 std::map<int, bool> onlyTangents(const SourceDocument& document)
 {
@@ -37,15 +47,8 @@ std::map<int, bool> onlyTangents(const SourceDocument& document)
     visitAccessors(json, [&](Json& index) {
         if (index.is_number_unsigned()) ++uses[index.get<int>()];
     });
-    for (const tinygltf::Mesh& mesh : document.model.meshes) {
-        for (const tinygltf::Primitive& primitive : mesh.primitives) {
-            if (const auto it = primitive.attributes.find(kTangent); it != primitive.attributes.end())
-                --uses[it->second];
-            for (const auto& target : primitive.targets) {
-                if (const auto it = target.find(kTangent); it != target.end()) --uses[it->second];
-            }
-        }
-    }
+    eachPrimitive(json,
+                  [&](Json& primitive) { visitTangents(primitive, [&](Json& index) { --uses[index.get<int>()]; }); });
     std::map<int, bool> only;
     for (const auto& [accessor, others] : uses) only[accessor] = others == 0;
     return only;
@@ -54,57 +57,42 @@ std::map<int, bool> onlyTangents(const SourceDocument& document)
 /// Zeroes in place of what is not finite: the accessor stays in the file, though nothing reads it.
 void clear(SourceDocument& document, int index)
 {
-    tinygltf::Model& model = document.model;
-    const tinygltf::Accessor& accessor = model.accessors[std::size_t(index)];
-    const std::size_t bytes = elementBytes(accessor.componentType, accessor.type);
-    const auto clearIn = [&](int bufferView, std::size_t offset, std::size_t stride, std::size_t count) {
-        const tinygltf::BufferView& view = model.bufferViews[std::size_t(bufferView)];
-        unsigned char* first = model.buffers[std::size_t(view.buffer)].data.data() + view.byteOffset + offset;
+    const Json& accessor = element(document.json, "accessors", index);
+    const std::size_t bytes = elementSize(accessor).bytes;
+    const auto clearIn = [&](const Json& part, std::size_t count, bool isStrided) {
+        const Json& view = element(document.json, "bufferViews", integerOf(part, "bufferView"));
+        std::byte* first = document.buffers[std::size_t(integerOf(view, "buffer"))].data() +
+                           bytesIn(view, "byteOffset") + bytesIn(part, "byteOffset");
+        const std::size_t stride = isStrided ? strideIn(view, bytes) : bytes;
         for (std::size_t i = 0; i < count; ++i) {
             for (std::size_t at = 0; at < bytes; at += sizeof(float)) {
-                unsigned char* value = first + i * stride + at;
-                if (!std::isfinite(floatAt(reinterpret_cast<const std::byte*>(value))))
-                    std::memset(value, 0, sizeof(float));
+                std::byte* value = first + i * stride + at;
+                if (!std::isfinite(floatAt(value))) std::memset(value, 0, sizeof(float));
             }
         }
     };
-    if (accessor.bufferView >= 0) {
-        const std::size_t stride = model.bufferViews[std::size_t(accessor.bufferView)].byteStride;
-        clearIn(accessor.bufferView, accessor.byteOffset, stride != 0 ? stride : bytes, accessor.count);
-    }
-    if (accessor.sparse.isSparse)
-        clearIn(accessor.sparse.values.bufferView, std::size_t(accessor.sparse.values.byteOffset), bytes,
-                std::size_t(accessor.sparse.count));
-}
-
-/// Takes the tangents of vertices and of morph targets out of a primitive.
-void dropTangents(Json& json, tinygltf::Primitive& primitive)
-{
-    primitive.attributes.erase(kTangent);
-    json["attributes"].erase(kTangent);
-    for (auto& target : primitive.targets) target.erase(kTangent);
-    if (!json.contains("targets")) return;
-    for (Json& target : json["targets"]) target.erase(kTangent);
+    if (accessor.contains("bufferView")) clearIn(accessor, bytesIn(accessor, "count"), true);
+    if (const Json& sparse = member(accessor, "sparse"); !sparse.is_null())
+        clearIn(sparse["values"], bytesIn(sparse, "count"), false);
 }
 
 void dropTangents(SourceDocument& document, const std::map<int, std::size_t>& bad)
 {
-    for (std::size_t m = 0; m < document.model.meshes.size(); ++m) {
-        auto& primitives = document.model.meshes[m].primitives;
+    Json* const meshes = find(document.json, "meshes");
+    for (std::size_t m = 0; meshes != nullptr && m < meshes->size(); ++m) {
+        Json& primitives = (*meshes)[m]["primitives"];
         for (std::size_t p = 0; p < primitives.size(); ++p) {
             auto found = bad.end();
-            const auto look = [&](const std::map<std::string, int>& attributes) {
-                const auto it = attributes.find(kTangent);
-                if (it != attributes.end() && bad.contains(it->second)) found = bad.find(it->second);
-            };
-            look(primitives[p].attributes);
-            for (const auto& target : primitives[p].targets) look(target);
+            visitTangents(primitives[p], [&](Json& index) {
+                if (const auto it = bad.find(index.get<int>()); it != bad.end()) found = it;
+            });
             if (found == bad.end()) continue;
             document.warnings.push_back(pathOf("meshes", m) + "/primitives/" + std::to_string(p) +
                                         ": its tangents are left out and made anew (element " +
                                         std::to_string(found->second) + " of accessor " + std::to_string(found->first) +
                                         " is not finite)");
-            dropTangents(document.json["meshes"][m]["primitives"][p], primitives[p]);
+            primitives[p]["attributes"].erase(kTangent);
+            each(find(primitives[p], "targets"), [](Json& target) { target.erase(kTangent); });
         }
     }
     for (const auto& [accessor, element] : bad) clear(document, accessor);
@@ -116,8 +104,9 @@ Status checkFiniteAccessors(SourceDocument& document)
 {
     const std::map<int, bool> tangents = onlyTangents(document);
     std::map<int, std::size_t> bad; // first bad element by accessor
-    for (std::size_t i = 0; i < document.model.accessors.size(); ++i) {
-        if (document.model.accessors[i].componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) continue;
+    const Json& accessors = member(document.json, "accessors");
+    for (std::size_t i = 0; i < accessors.size(); ++i) {
+        if (integerOf(accessors[i], "componentType") != gltf::kFloat) continue;
         const auto view = viewAccessor(document, int(i));
         if (!view) return view.error();
         const std::optional<std::size_t> element = firstNotFinite(*view);

@@ -1,7 +1,6 @@
 #include "scene/load/load_document.h"
 
 #include "halflight/base/file.h"
-#include "scene/document/decode/compression.h"
 #include "scene/document/decode/decompress.h"
 #include "scene/document/fallback_buffers.h"
 #include "scene/document/uri.h"
@@ -101,15 +100,8 @@ bool nestsTooDeep(std::string_view text)
     return false;
 }
 
-std::string firstSentence(std::string text)
-{
-    text = text.substr(0, std::min(text.find('\n'), std::size_t(300))); // some quote a data: URI
-    while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
-    return text.empty() ? "the file cannot be read as glTF" : text;
-}
-
 // The data of each buffer: at least as long as byteLength in its file (glTF 2.0, section 3.6.1.1), cut to that here.
-Status loadBuffers(SourceDocument& document, std::span<const std::byte> binary, std::vector<tinygltf::Buffer>& buffers)
+Status loadBuffers(SourceDocument& document, std::span<const std::byte> binary)
 {
     if (member(document.json, "buffers").is_null()) return {};
     Json& list = document.json["buffers"];
@@ -123,75 +115,37 @@ Status loadBuffers(SourceDocument& document, std::span<const std::byte> binary, 
     for (std::size_t i = 0; i < list.size(); ++i) {
         const auto length = list[i]["byteLength"].get<uint64_t>();
         const std::string path = pathOf("buffers", i);
-        tinygltf::Buffer& buffer = buffers.emplace_back();
+        std::vector<std::byte>& buffer = document.buffers.emplace_back();
         if (isFallbackBuffer(list[i])) continue; // decompress() fills its place
-        std::vector<std::byte> read;
-        std::span<const std::byte> bytes = binary;
+        std::size_t held = binary.size();
         if (const Json& uri = member(list[i], "uri"); !uri.is_null()) {
             const auto& text = uri.get_ref<const std::string&>();
             auto result = readUri(text, document.directory, length);
             if (!result) return Error{result.error().code, result.error().message, path};
-            read = std::move(*result);
-            bytes = read;
+            buffer = std::move(*result);
+            held = buffer.size();
             if (!isDataUri(text)) document.bufferUris.push_back(text);
             list[i].erase("uri"); // may be megabytes of base64
         }
-        if (bytes.size() < length) {
-            return invalid(path, "byteLength is " + std::to_string(length) + ", but it holds " +
-                                     std::to_string(bytes.size()) + " bytes");
+        if (held < length) {
+            return invalid(path, "byteLength is " + std::to_string(length) + ", but it holds " + std::to_string(held) +
+                                     " bytes");
         }
-        const auto* first = reinterpret_cast<const unsigned char*>(bytes.data());
-        buffer.data.assign(first, first + length);
+        if (buffer.empty()) buffer.assign(binary.begin(), binary.begin() + std::ptrdiff_t(length));
+        buffer.resize(std::size_t(length));
     }
     return {};
 }
 
-// tinygltf's typed view of the JSON. Buffers and images are read by this program: tinygltf would wait for pipes, and
-// decode URIs of HTML forms.
-Status readTypedView(SourceDocument& document, std::vector<tinygltf::Buffer> buffers)
+// Fills a document whose JSON is parsed.
+Status readParsed(SourceDocument& document, const Chunks& chunks)
 {
-    Json& json = document.json;
-    Json bufferJson;
-    Json imageJson;
-    const auto exchange = [&] {
-        for (const auto& [key, value] : {std::pair("buffers", &bufferJson), std::pair("images", &imageJson)}) {
-            Json kept = std::move(*value);
-            *value = member(json, key).is_null() ? Json() : std::move(json[key]);
-            json.erase(key);
-            if (!kept.is_null()) json[key] = std::move(kept);
-        }
-    };
-    exchange();
-    const std::string text = json.dump();
-    exchange();
-    tinygltf::TinyGLTF loader;
-    std::string error;
-    std::string warning;
-    if (!loader.LoadASCIIFromString(&document.model, &error, &warning, text.data(), unsigned(text.size()), ".",
-                                    tinygltf::NO_REQUIRE)) {
-        return Error{ErrorCode::FileInvalid, firstSentence(error)};
-    }
-    document.model.buffers = std::move(buffers);
-    for (const Json& image : member(json, "images")) {
-        tinygltf::Image& typed = document.model.images.emplace_back();
-        const auto text = [&](const char* key) {
-            const Json& value = member(image, key);
-            return value.is_string() ? value.get<std::string>() : std::string();
-        };
-        typed.name = text("name");
-        typed.mimeType = text("mimeType");
-        typed.uri = text("uri");
-        if (const Json& view = member(image, "bufferView"); !view.is_null()) typed.bufferView = view.get<int>();
-    }
-    // EXT_texture_webp names the image to prefer over the texture's own, which is for programs without WebP.
-    for (std::size_t i = 0; readsCompression("EXT_texture_webp") && i < document.model.textures.size(); ++i) {
-        const Json& source = member(extensionOf(json["textures"][i], "EXT_texture_webp"), "source");
-        if (source.is_null()) continue;
-        if (!source.is_number_unsigned() || source.get<uint64_t>() >= document.model.images.size())
-            return invalid(pathOf("textures", i) + "/extensions/EXT_texture_webp", "source is not an image's index");
-        document.model.textures[i].source = source.get<int>();
-    }
-    return {};
+    markFallbackBuffers(document.json, !chunks.binary.empty());
+    if (Status s = checkPacked(document.json, chunks.isBinary); !s) return s;
+    if (Status s = loadBuffers(document, chunks.binary); !s) return s;
+    if (Status s = decompress(document.json, document.buffers); !s) return s;
+    if (Status s = checkUnpacked(document); !s) return s;
+    return checkFiniteAccessors(document);
 }
 
 } // namespace
@@ -207,7 +161,7 @@ Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std:
 
     auto document = std::make_shared<SourceDocument>();
     document->directory = directory;
-    // Both libraries may throw: on syntax, on types that are not what they expect, when memory runs out.
+    // The library may throw: on syntax, on types that are not what is asked for, when memory runs out.
     try {
         document->json = Json::parse(chunks->json.begin(), chunks->json.end());
     } catch (const std::exception& e) {
@@ -216,17 +170,10 @@ Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std:
         return Error{ErrorCode::FileInvalid, "the JSON is broken: " + what.substr(at == what.npos ? 0 : at + 2)};
     }
     try {
-        markFallbackBuffers(document->json, !chunks->binary.empty());
-        if (Status status = checkBeforeParsing(document->json, chunks->isBinary); !status) return status.error();
-        std::vector<tinygltf::Buffer> buffers;
-        if (Status s = loadBuffers(*document, chunks->binary, buffers); !s) return s.error();
-        if (Status s = decompress(document->json, buffers); !s) return s.error();
-        if (Status s = readTypedView(*document, std::move(buffers)); !s) return s.error();
+        if (Status status = readParsed(*document, *chunks); !status) return status.error();
     } catch (const std::exception&) {
         return Error{ErrorCode::FileInvalid, "the file cannot be read as glTF, or there is too little memory for it"};
     }
-    if (Status status = checkAfterParsing(*document); !status) return status.error();
-    if (Status status = checkFiniteAccessors(*document); !status) return status.error();
     stripEarlierBake(*document);
     return std::shared_ptr<const SourceDocument>(std::move(document));
 }

@@ -6,8 +6,7 @@
 #include "scene/document/types.h"
 #include "scene/load/extensions.h"
 
-#include <algorithm>
-#include <array>
+#include <optional>
 #include <string_view>
 
 namespace halflight {
@@ -15,20 +14,6 @@ namespace {
 
 // An element without data behind it costs no file bytes, so a small file could ask for any amount of memory.
 constexpr uint64_t kMaxImplicitElements = 1u << 20;
-constexpr uint64_t kMaxInt = 0x7fffffff;
-constexpr uint64_t kMaxByteLength = 0xffffffff;
-
-// A non-negative integer member up to `limit`. `required`: it must be there.
-Status checkUnsigned(const Json& object, const char* key, bool required, uint64_t limit, const std::string& path,
-                     uint64_t& value)
-{
-    const Json& number = member(object, key);
-    if (number.is_null()) return required ? Status(invalid(path, std::string("has no ") + key)) : Status();
-    if (!number.is_number_unsigned()) return invalid(path, std::string(key) + " is not an unsigned integer");
-    value = number.get<uint64_t>();
-    if (value > limit) return invalid(path, std::string(key) + " is too large (" + std::to_string(value) + ")");
-    return {};
-}
 
 Status checkVersion(const Json& json)
 {
@@ -61,192 +46,164 @@ Status checkExtensions(const Json& json)
     return {};
 }
 
+/// A member that refers to an element of a top-level array, where it is there.
+Status checkReference(const Json& json, const char* array, const Json& index, const char* what, const std::string& path)
+{
+    if (index.is_null() || isIndexInto(json, array, index)) return {};
+    return invalid(path, std::string("refers to ") + what + " " + index.dump() + " of " +
+                             std::to_string(member(json, array).size()));
+}
+
 Status checkBuffers(const Json& json, bool isBinary)
 {
     const Json& buffers = member(json, "buffers");
     for (std::size_t i = 0; i < buffers.size(); ++i) {
         const std::string path = pathOf("buffers", i);
-        uint64_t length = 0;
-        if (Status s = checkUnsigned(buffers[i], "byteLength", true, kMaxByteLength, path, length); !s) return s;
-        if (length == 0) return invalid(path, "byteLength is 0");
-        const Json& uri = member(buffers[i], "uri");
-        if (uri.is_null() && !(isBinary && i == 0) && !isFallbackBuffer(buffers[i]))
+        if (bytesIn(buffers[i], "byteLength") == 0) return invalid(path, "byteLength is 0");
+        if (!buffers[i].contains("uri") && !(isBinary && i == 0) && !isFallbackBuffer(buffers[i]))
             return invalid(path, "has neither a uri nor a binary chunk");
     }
     const Json& views = member(json, "bufferViews");
     for (std::size_t i = 0; i < views.size(); ++i) {
         const std::string path = pathOf("bufferViews", i);
-        uint64_t buffer = 0;
-        uint64_t offset = 0;
-        uint64_t length = 0;
-        uint64_t stride = 0;
-        if (Status s = checkUnsigned(views[i], "buffer", true, kMaxInt, path, buffer); !s) return s;
-        if (Status s = checkUnsigned(views[i], "byteOffset", false, kMaxByteLength, path, offset); !s) return s;
-        if (Status s = checkUnsigned(views[i], "byteLength", true, kMaxByteLength, path, length); !s) return s;
-        if (Status s = checkUnsigned(views[i], "byteStride", false, 252, path, stride); !s) return s;
-        if (buffer >= buffers.size()) {
-            return invalid(path,
-                           "refers to buffer " + std::to_string(buffer) + " of " + std::to_string(buffers.size()));
-        }
+        if (Status s = checkReference(json, "buffers", views[i]["buffer"], "buffer", path); !s) return s;
+        const auto buffer = views[i]["buffer"].get<std::size_t>();
+        const std::size_t length = bytesIn(views[i], "byteLength");
         if (length == 0) return invalid(path, "byteLength is 0");
-        if (offset + length > buffers[buffer]["byteLength"].get<uint64_t>()) {
+        if (uint64_t(bytesIn(views[i], "byteOffset")) + length > bytesIn(buffers[buffer], "byteLength"))
             return invalid(path, "reaches past the end of buffer " + std::to_string(buffer));
-        }
+        if (const std::size_t stride = bytesIn(views[i], "byteStride"); stride > 252 || stride % 4 != 0)
+            return invalid(path, "byteStride is " + std::to_string(stride) + ", not a multiple of 4 up to 252");
     }
     const Json& images = member(json, "images");
     for (std::size_t i = 0; i < images.size(); ++i) {
         const std::string path = pathOf("images", i);
-        uint64_t view = 0;
-        if (Status s = checkUnsigned(images[i], "bufferView", false, kMaxInt, path, view); !s) return s;
-        const bool hasView = images[i].contains("bufferView");
-        if (hasView && view >= views.size()) {
-            return invalid(path,
-                           "refers to buffer view " + std::to_string(view) + " of " + std::to_string(views.size()));
-        }
-        if (hasView == images[i].contains("uri")) return invalid(path, "needs either a uri or a bufferView");
+        const Json& view = member(images[i], "bufferView");
+        if (Status s = checkReference(json, "bufferViews", view, "buffer view", path); !s) return s;
+        if (view.is_null() != images[i].contains("uri")) return invalid(path, "needs either a uri or a bufferView");
     }
     return {};
 }
 
-// The numbers that tinygltf narrows to int.
-Status checkAccessorNumbers(const Json& json)
-{
-    constexpr std::string_view kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
-    const Json& accessors = member(json, "accessors");
-    for (std::size_t i = 0; i < accessors.size(); ++i) {
-        const std::string path = pathOf("accessors", i);
-        const auto type = accessors[i]["type"].get<std::string>();
-        if (std::find(std::begin(kTypes), std::end(kTypes), type) == std::end(kTypes))
-            return invalid(path, "has an unknown type");
-        uint64_t value = 0;
-        for (const char* key : {"bufferView", "byteOffset"}) {
-            if (Status s = checkUnsigned(accessors[i], key, false, kMaxInt, path, value); !s) return s;
-        }
-        for (const char* key : {"count", "componentType"}) {
-            if (Status s = checkUnsigned(accessors[i], key, true, kMaxInt, path, value); !s) return s;
-        }
-        const Json& sparse = member(accessors[i], "sparse");
-        if (sparse.is_null()) continue;
-        const std::string sparsePath = path + "/sparse";
-        if (Status s = checkUnsigned(sparse, "count", true, kMaxInt, sparsePath, value); !s) return s;
-        for (const char* part : {"indices", "values"}) {
-            const Json& object = member(sparse, part);
-            if (Status s = checkUnsigned(object, "bufferView", true, kMaxInt, sparsePath, value); !s) return s;
-            if (Status s = checkUnsigned(object, "byteOffset", false, kMaxInt, sparsePath, value); !s) return s;
-        }
-        if (Status s = checkUnsigned(member(sparse, "indices"), "componentType", true, kMaxInt, sparsePath, value); !s)
-            return s;
-    }
-    return {};
-}
-
-// A camera has the lens that its type says.
-Status checkCameras(const Json& json)
+// A camera has the lens that its type says, and a spot light its cone.
+Status checkLenses(const Json& json)
 {
     const Json& cameras = member(json, "cameras");
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-        const auto type = cameras[i]["type"].get<std::string>();
+        const std::string type = stringOf(cameras[i], "type");
         if (type != "perspective" && type != "orthographic")
             return invalid(pathOf("cameras", i), "type is neither perspective nor orthographic");
         if (!cameras[i].contains(type)) return invalid(pathOf("cameras", i), "has no " + type);
     }
-    return {};
-}
-
-Status checkIndex(int index, std::size_t count, const char* what, const std::string& path)
-{
-    if (index < 0 || std::size_t(index) >= count) {
-        return invalid(path,
-                       std::string("refers to ") + what + " " + std::to_string(index) + " of " + std::to_string(count));
+    const Json& lights = member(extensionOf(json, "KHR_lights_punctual"), "lights");
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        if (stringOf(lights[i], "type") == "spot" && !lights[i].contains("spot"))
+            return invalid("/extensions/KHR_lights_punctual" + pathOf("lights", i), "is a spot light and has no spot");
     }
     return {};
 }
 
-Status checkAccessors(const tinygltf::Model& model)
+/// Whether elements that begin at `offset` lie in the view. No sum is beyond 64 bits: all are below 2^32.
+bool fits(const Json& view, uint64_t offset, uint64_t stride, uint64_t count, uint64_t bytes)
 {
-    for (std::size_t i = 0; i < model.buffers.size(); ++i) {
-        if (model.buffers[i].data.empty()) return invalid(pathOf("buffers", i), "holds no data");
-    }
-    for (std::size_t i = 0; i < model.bufferViews.size(); ++i) {
-        const auto& view = model.bufferViews[i];
-        if (view.byteOffset + view.byteLength > model.buffers[std::size_t(view.buffer)].data.size()) {
-            return invalid(pathOf("bufferViews", i), "reaches past the end of buffer " + std::to_string(view.buffer));
-        }
-    }
-    const auto fits = [&](int bufferView, uint64_t offset, uint64_t stride, uint64_t count, uint64_t bytes) {
-        return offset + (count - 1) * stride + bytes <= model.bufferViews[std::size_t(bufferView)].byteLength;
-    };
-    for (std::size_t i = 0; i < model.accessors.size(); ++i) {
-        const auto& accessor = model.accessors[i];
-        const std::string path = pathOf("accessors", i);
-        const uint64_t bytes = elementBytes(accessor.componentType, accessor.type);
-        if (bytes == 0) return invalid(path, "has an unknown type or component type");
-        if (accessor.count == 0) return invalid(path, "has no elements");
-        if (accessor.bufferView >= 0) {
-            if (Status s = checkIndex(accessor.bufferView, model.bufferViews.size(), "buffer view", path); !s) return s;
-            const auto& view = model.bufferViews[std::size_t(accessor.bufferView)];
-            const uint64_t stride = view.byteStride != 0 ? view.byteStride : bytes;
-            if (stride < bytes) return invalid(path, "elements are longer than the stride of their buffer view");
-            if (!fits(accessor.bufferView, accessor.byteOffset, stride, accessor.count, bytes)) {
-                return invalid(path, "reads past the end of its buffer view");
-            }
-        } else if (accessor.count > kMaxImplicitElements) {
-            return invalid(path, "has " + std::to_string(accessor.count) + " elements but no data");
-        }
-        if (!accessor.sparse.isSparse) continue;
-        const auto& sparse = accessor.sparse;
-        const uint64_t indexBytes = uint64_t(componentBytes(sparse.indices.componentType));
-        const bool isUnsigned = sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-                                sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-                                sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-        if (!isUnsigned) return invalid(path, "sparse indices are not unsigned integers");
-        if (sparse.count < 1 || uint64_t(sparse.count) > accessor.count)
-            return invalid(path, "sparse count is out of range");
-        if (Status s = checkIndex(sparse.indices.bufferView, model.bufferViews.size(), "buffer view", path); !s)
-            return s;
-        if (Status s = checkIndex(sparse.values.bufferView, model.bufferViews.size(), "buffer view", path); !s)
-            return s;
-        if (!fits(sparse.indices.bufferView, uint64_t(sparse.indices.byteOffset), indexBytes, uint64_t(sparse.count),
-                  indexBytes) ||
-            !fits(sparse.values.bufferView, uint64_t(sparse.values.byteOffset), bytes, uint64_t(sparse.count), bytes)) {
+    return offset + (count - 1) * stride + bytes <= bytesIn(view, "byteLength");
+}
+
+Status checkSparse(const Json& json, const Json& sparse, uint64_t elements, uint64_t bytes, const std::string& path)
+{
+    const Json& indices = sparse["indices"];
+    const Json& values = sparse["values"];
+    const int type = integerOf(indices, "componentType");
+    if (type != gltf::kUnsignedByte && type != gltf::kUnsignedShort && type != gltf::kUnsignedInt)
+        return invalid(path, "sparse indices are not unsigned integers");
+    const std::size_t count = bytesIn(sparse, "count");
+    if (count < 1 || count > elements) return invalid(path, "sparse count is out of range");
+    const auto indexBytes = uint64_t(componentBytes(type));
+    for (const auto& [part, size] : {std::pair(&indices, indexBytes), std::pair(&values, bytes)}) {
+        const Json& view = member(*part, "bufferView");
+        if (Status s = checkReference(json, "bufferViews", view, "buffer view", path); !s) return s;
+        if (!fits(json["bufferViews"][view.get<std::size_t>()], bytesIn(*part, "byteOffset"), size, count, size))
             return invalid(path, "sparse data reads past the end of its buffer view");
+    }
+    return {};
+}
+
+Status checkAccessors(const SourceDocument& document)
+{
+    const Json& views = member(document.json, "bufferViews");
+    for (std::size_t i = 0; i < document.buffers.size(); ++i) {
+        if (document.buffers[i].empty()) return invalid(pathOf("buffers", i), "holds no data");
+    }
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const auto buffer = views[i]["buffer"].get<std::size_t>();
+        if (buffer >= document.buffers.size() ||
+            uint64_t(bytesIn(views[i], "byteOffset")) + bytesIn(views[i], "byteLength") >
+                document.buffers[buffer].size())
+            return invalid(pathOf("bufferViews", i), "reaches past the end of buffer " + std::to_string(buffer));
+    }
+    const Json& accessors = member(document.json, "accessors");
+    for (std::size_t i = 0; i < accessors.size(); ++i) {
+        const Json& accessor = accessors[i];
+        const std::string path = pathOf("accessors", i);
+        const std::size_t bytes = elementSize(accessor).bytes;
+        const std::size_t count = bytesIn(accessor, "count");
+        if (bytes == 0) return invalid(path, "has an unknown type or component type");
+        if (count == 0) return invalid(path, "has no elements");
+        if (const Json& index = member(accessor, "bufferView"); !index.is_null()) {
+            if (Status s = checkReference(document.json, "bufferViews", index, "buffer view", path); !s) return s;
+            const Json& view = views[index.get<std::size_t>()];
+            const std::size_t stride = strideIn(view, bytes);
+            if (stride < bytes) return invalid(path, "elements are longer than the stride of their buffer view");
+            if (!fits(view, bytesIn(accessor, "byteOffset"), stride, count, bytes))
+                return invalid(path, "reads past the end of its buffer view");
+        } else if (count > kMaxImplicitElements) {
+            return invalid(path, "has " + std::to_string(count) + " elements but no data");
+        }
+        if (const Json& sparse = member(accessor, "sparse"); !sparse.is_null()) {
+            if (Status s = checkSparse(document.json, sparse, count, bytes, path); !s) return s;
         }
     }
     return {};
 }
 
-Status checkMeshes(const tinygltf::Model& model)
+Status checkPrimitive(const SourceDocument& document, const Json& primitive, const std::string& path)
 {
-    for (std::size_t m = 0; m < model.meshes.size(); ++m) {
-        for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
-            const auto& primitive = model.meshes[m].primitives[p];
+    const Json& json = document.json;
+    if (integerOf(primitive, "mode", gltf::kTriangles) > 6) return invalid(path, "mode is not one of 0 to 6");
+    const Json& indices = member(primitive, "indices");
+    if (Status s = checkReference(json, "materials", member(primitive, "material"), "material", path); !s) return s;
+    if (Status s = checkReference(json, "accessors", indices, "accessor", path); !s) return s;
+    if (!indices.is_null() && !json["accessors"][indices.get<std::size_t>()].contains("bufferView"))
+        return invalid(path, "indices are an accessor without a buffer view");
+    // All vertex attributes, morph targets included, have one element per vertex.
+    std::optional<std::size_t> first;
+    const auto checkAttributes = [&](const Json& attributes) -> Status {
+        for (const auto& [name, accessor] : attributes.items()) {
+            if (Status s = checkReference(json, "accessors", accessor, "accessor", path); !s) return s;
+            const std::size_t count = elementCount(document, accessor.get<int>());
+            if (!first) first = count;
+            if (count != *first) {
+                return invalid(path, "attributes differ in length: " + name + " has " + std::to_string(count) +
+                                         " elements, another " + std::to_string(*first));
+            }
+        }
+        return {};
+    };
+    if (Status s = checkAttributes(primitive["attributes"]); !s) return s;
+    for (const Json& target : member(primitive, "targets")) {
+        if (Status s = checkAttributes(target); !s) return s;
+    }
+    return {};
+}
+
+Status checkMeshes(const SourceDocument& document)
+{
+    const Json& meshes = member(document.json, "meshes");
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        const Json& primitives = meshes[m]["primitives"];
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
             const std::string path = pathOf("meshes", m) + "/primitives/" + std::to_string(p);
-            if (primitive.mode < -1 || primitive.mode > 6) return invalid(path, "mode is not one of 0 to 6");
-            if (primitive.material != -1) {
-                if (Status s = checkIndex(primitive.material, model.materials.size(), "material", path); !s) return s;
-            }
-            if (primitive.indices != -1) {
-                if (Status s = checkIndex(primitive.indices, model.accessors.size(), "accessor", path); !s) return s;
-            }
-            // All vertex attributes, morph targets included, have one element per vertex.
-            const tinygltf::Accessor* first = nullptr;
-            const auto checkAttributes = [&](const std::map<std::string, int>& attributes) -> Status {
-                for (const auto& [name, accessor] : attributes) {
-                    if (Status s = checkIndex(accessor, model.accessors.size(), "accessor", path); !s) return s;
-                    const auto& values = model.accessors[std::size_t(accessor)];
-                    if (first == nullptr) first = &values;
-                    if (values.count != first->count) {
-                        return invalid(path, "attributes differ in length: " + name + " has " +
-                                                 std::to_string(values.count) + " elements, another " +
-                                                 std::to_string(first->count));
-                    }
-                }
-                return {};
-            };
-            if (Status s = checkAttributes(primitive.attributes); !s) return s;
-            for (const auto& target : primitive.targets) {
-                if (Status s = checkAttributes(target); !s) return s;
-            }
+            if (Status s = checkPrimitive(document, primitives[p], path); !s) return s;
         }
     }
     return {};
@@ -258,13 +215,11 @@ Status checkMeshes(const tinygltf::Model& model)
 Status checkElementSum(const SourceDocument& document)
 {
     constexpr uint64_t kFree = uint64_t(1) << 23;
-    uint64_t limit = kFree;
-    for (const auto& buffer : document.model.buffers) limit += 8 * uint64_t(buffer.data.size());
+    const uint64_t limit = kFree + 8 * bufferBytes(document);
     uint64_t sum = 0;
     auto& json = const_cast<Json&>(document.json); // the visitor below only reads
     visitAccessors(json, [&](Json& index) {
-        if (index.is_number_unsigned() && index.get<uint64_t>() < document.model.accessors.size())
-            sum += document.model.accessors[index.get<std::size_t>()].count;
+        if (isIndexInto(json, "accessors", index)) sum += elementCount(document, index.get<int>());
     });
     if (sum <= limit) return {};
     return invalid("/accessors", "meshes, nodes and animations read " + std::to_string(sum) +
@@ -272,28 +227,23 @@ Status checkElementSum(const SourceDocument& document)
                                      " for a file with so little data");
 }
 
-Status checkNodes(const tinygltf::Model& model)
+Status checkNodes(const Json& json)
 {
-    const std::size_t count = model.nodes.size();
+    const Json& nodes = member(json, "nodes");
+    const std::size_t count = nodes.size();
     std::vector<int> parent(count, -1);
     for (std::size_t i = 0; i < count; ++i) {
-        const auto& node = model.nodes[i];
         const std::string path = pathOf("nodes", i);
-        if (node.mesh != -1) {
-            if (Status s = checkIndex(node.mesh, model.meshes.size(), "mesh", path); !s) return s;
+        for (const auto& [key, array] :
+             {std::pair("mesh", "meshes"), std::pair("camera", "cameras"), std::pair("skin", "skins")}) {
+            if (Status s = checkReference(json, array, member(nodes[i], key), key, path); !s) return s;
         }
-        if (node.camera != -1) {
-            if (Status s = checkIndex(node.camera, model.cameras.size(), "camera", path); !s) return s;
-        }
-        if (node.skin != -1) {
-            if (Status s = checkIndex(node.skin, model.skins.size(), "skin", path); !s) return s;
-        }
-        for (const int child : node.children) {
-            if (Status s = checkIndex(child, count, "node", path); !s) return s;
-            if (parent[std::size_t(child)] != -1) {
-                return invalid(pathOf("nodes", std::size_t(child)), "is a child of more than one node");
-            }
-            parent[std::size_t(child)] = int(i);
+        for (const Json& child : member(nodes[i], "children")) {
+            if (Status s = checkReference(json, "nodes", child, "node", path); !s) return s;
+            int& parentOfChild = parent[child.get<std::size_t>()];
+            if (parentOfChild != -1)
+                return invalid(pathOf("nodes", child.get<std::size_t>()), "is a child of more than one node");
+            parentOfChild = int(i);
         }
     }
     // With one parent each, a cycle is a walk upwards that meets itself. state: 0 unknown, 1 on this walk, 2 safe.
@@ -311,67 +261,54 @@ Status checkNodes(const tinygltf::Model& model)
             return invalid(pathOf("nodes", std::size_t(at)), "is its own ancestor");
         for (const std::size_t visited : walk) state[visited] = 2;
     }
-    for (std::size_t s = 0; s < model.scenes.size(); ++s) {
-        for (const int node : model.scenes[s].nodes) {
-            if (Status status = checkIndex(node, count, "node", pathOf("scenes", s)); !status) return status;
-            if (parent[std::size_t(node)] != -1) {
-                return invalid(pathOf("scenes", s),
-                               "lists node " + std::to_string(node) + ", which is not a root node");
-            }
+    const Json& scenes = member(json, "scenes");
+    for (std::size_t s = 0; s < scenes.size(); ++s) {
+        for (const Json& node : member(scenes[s], "nodes")) {
+            if (Status status = checkReference(json, "nodes", node, "node", pathOf("scenes", s)); !status)
+                return status;
+            if (parent[node.get<std::size_t>()] != -1)
+                return invalid(pathOf("scenes", s), "lists node " + node.dump() + ", which is not a root node");
         }
     }
-    return {};
+    return checkReference(json, "scenes", member(json, "scene"), "scene", "/scene");
 }
 
-Status checkTextures(const SourceDocument& document)
+Status checkTextures(const Json& json)
 {
-    const auto& model = document.model;
-    for (std::size_t i = 0; i < model.textures.size(); ++i) {
-        const auto& texture = model.textures[i];
+    const Json& textures = member(json, "textures");
+    for (std::size_t i = 0; i < textures.size(); ++i) {
         const std::string path = pathOf("textures", i);
-        if (texture.source != -1) {
-            if (Status s = checkIndex(texture.source, model.images.size(), "image", path); !s) return s;
+        const Json& webp = member(extensionOf(textures[i], "EXT_texture_webp"), "source");
+        if (!webp.is_null() && readsCompression("EXT_texture_webp")) { // in place of the texture's own
+            if (!isIndexInto(json, "images", webp))
+                return invalid(path + "/extensions/EXT_texture_webp", "source is not an image's index");
+        } else if (Status s = checkReference(json, "images", member(textures[i], "source"), "image", path); !s) {
+            return s;
         }
-        if (texture.sampler != -1) {
-            if (Status s = checkIndex(texture.sampler, model.samplers.size(), "sampler", path); !s) return s;
-        }
+        if (Status s = checkReference(json, "samplers", member(textures[i], "sampler"), "sampler", path); !s) return s;
     }
     return {};
 }
 
 } // namespace
 
-Status checkBeforeParsing(const Json& json, bool isBinary)
+Status checkPacked(const Json& json, bool isBinary)
 {
     if (!json.is_object()) return Error{ErrorCode::FileInvalid, "the JSON is not an object"};
     if (Status s = checkVersion(json); !s) return s;
     if (Status s = checkTypes(json); !s) return s;
     if (Status s = checkExtensions(json); !s) return s;
     if (Status s = checkBuffers(json, isBinary); !s) return s;
-    if (Status s = checkCameras(json); !s) return s;
-    return checkAccessorNumbers(json);
+    return checkLenses(json);
 }
 
-Status checkAfterParsing(const SourceDocument& document)
+Status checkUnpacked(const SourceDocument& document)
 {
-    // The typed view and the JSON must agree, since extensions are read from the JSON by the same indices.
-    const auto& model = document.model;
-    const auto same = [&](const char* array, std::size_t count) {
-        return member(document.json, array).size() == count;
-    };
-    if (!same("nodes", model.nodes.size()) || !same("meshes", model.meshes.size()) ||
-        !same("accessors", model.accessors.size()) || !same("materials", model.materials.size()) ||
-        !same("textures", model.textures.size()) || !same("images", model.images.size())) {
-        return Error{ErrorCode::FileInvalid, "an object of the file lacks required properties"};
-    }
-    if (Status s = checkAccessors(model); !s) return s;
-    if (Status s = checkMeshes(model); !s) return s;
+    if (Status s = checkAccessors(document); !s) return s;
+    if (Status s = checkMeshes(document); !s) return s;
     if (Status s = checkElementSum(document); !s) return s;
-    if (Status s = checkTextures(document); !s) return s;
-    if (model.defaultScene != -1) {
-        if (Status s = checkIndex(model.defaultScene, model.scenes.size(), "scene", "/scene"); !s) return s;
-    }
-    return checkNodes(model);
+    if (Status s = checkTextures(document.json); !s) return s;
+    return checkNodes(document.json);
 }
 
 } // namespace halflight

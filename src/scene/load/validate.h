@@ -1,15 +1,15 @@
 #pragma once
-// The checks that make a document safe to walk. tinygltf itself checks little: neither ranges nor references nor
-// cycles.
+// The checks that make a document safe to walk: types, ranges, references, the node hierarchy.
 
 #include "scene/document/document.h"
 
 namespace halflight {
 
-/// On the bare JSON, before tinygltf sees it: version, required extensions, and whatever tinygltf would trust blindly.
-Status checkBeforeParsing(const Json& json, bool isBinary);
+/// On the bare JSON, before any buffer is read: version, types, required extensions, the ranges of buffer views.
+Status checkPacked(const Json& json, bool isBinary);
 
-/// On the parsed document: every index that any part of the scene module follows, every byte range, the node hierarchy.
-Status checkAfterParsing(const SourceDocument& document);
+/// On the document with its buffers unpacked: every index that any part of the scene module follows, every byte range,
+/// the node hierarchy.
+Status checkUnpacked(const SourceDocument& document);
 
 } // namespace halflight

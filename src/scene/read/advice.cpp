@@ -63,8 +63,7 @@ std::string adviceOnScale(const Scene& scene)
 std::vector<std::string> adviceFor(const Scene& scene, const Json& document, bool skyAuthored)
 {
     std::vector<std::string> advice;
-    const Json& generator = member(member(document, "asset"), "generator");
-    const bool isBlenders = generator.is_string() && generator.get<std::string>().find("Blender") != std::string::npos;
+    const bool isBlenders = stringOf(member(document, "asset"), "generator").find("Blender") != std::string::npos;
     if (isBlenders && scene.lights.empty() && !skyAuthored) {
         advice.emplace_back(
             "Blender wrote this file without lights: in its glTF export, under Include > Data, tick Punctual "

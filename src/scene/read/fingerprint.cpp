@@ -108,7 +108,7 @@ Hash128 contentHash(const Scene& scene)
     Hasher hasher;
     if (scene.source) {
         hasher.add(std::string_view(scene.source->json.dump()));
-        for (const tinygltf::Buffer& buffer : scene.source->model.buffers) hasher.add(buffer.data);
+        for (const auto& buffer : scene.source->buffers) hasher.add(buffer);
     }
     hasher.add(textureHashes(scene)).add(surfacesHash(scene));
     for (const Light& light : scene.lights) {

@@ -83,9 +83,7 @@ bool hasSet(const SourceDocument& document, const Mesh& mesh, int texCoord)
 {
     const std::string name = "TEXCOORD_" + std::to_string(texCoord);
     return std::all_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
-        return document.model.meshes[std::size_t(mesh.sourceMesh)]
-            .primitives[std::size_t(part.sourcePrimitive)]
-            .attributes.contains(name);
+        return attributeOf(primitiveOf(document, mesh.sourceMesh, part.sourcePrimitive), name) >= 0;
     });
 }
 
@@ -97,10 +95,8 @@ Status readLightmapUv(const SourceDocument& document, Mesh& mesh, int texCoord)
         return readsTexCoord(element(document.json, "materials", part.material), texCoord);
     });
     for (MeshPart& part : mesh.parts) {
-        const auto& primitive =
-            document.model.meshes[std::size_t(mesh.sourceMesh)].primitives[std::size_t(part.sourcePrimitive)];
-        const auto it = primitive.attributes.find("TEXCOORD_" + std::to_string(texCoord));
-        const auto uv = readVectors<2>(document, it->second);
+        const Json& primitive = primitiveOf(document, mesh.sourceMesh, part.sourcePrimitive);
+        const auto uv = readVectors<2>(document, attributeOf(primitive, "TEXCOORD_" + std::to_string(texCoord)));
         if (!uv) return uv.error();
         part.lightmapUv.resize(part.positions.size());
         for (std::size_t i = 0; i < part.lightmapUv.size(); ++i) {
@@ -150,7 +146,7 @@ Status readBindings(const SourceDocument& document, BakedScene& baked)
             const auto [it, isNew] = instancesOf.try_emplace(object.sourceNode);
             if (isNew) {
                 const Json& first = attributes.items().begin().value(); // instanceTransforms() has checked them all
-                const std::size_t count = document.model.accessors[first.get<std::size_t>()].count;
+                const std::size_t count = elementCount(document, first.get<int>());
                 const auto stIndex = accessorIndex(document, attributes, "_HALFLIGHT_LIGHTMAP_ST", count, path);
                 const auto pageIndex = accessorIndex(document, attributes, "_HALFLIGHT_LIGHTMAP_PAGE", count, path);
                 if (!stIndex) return stIndex.error();

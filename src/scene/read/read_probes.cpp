@@ -20,7 +20,7 @@ Result<std::vector<uint32_t>> readQuadruples(const SourceDocument& document, con
     if (!index) return index.error();
     const auto view = viewAccessor(document, *index);
     if (!view) return view.error();
-    if (view->components != 4 || view->componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+    if (view->components != 4 || view->componentType != gltf::kUnsignedInt)
         return invalid(path, std::string(key) + " is not VEC4 of unsigned int");
     std::vector<uint32_t> values;
     values.reserve(4 * count);
@@ -78,9 +78,9 @@ Status readTetrahedra(const SourceDocument& document, const Json& json, ProbeSet
     const std::string path = kBakePath + "/probes";
     const Json& reference = member(json, "tetrahedra");
     if (reference.is_null()) return {};
-    if (!reference.is_number_unsigned() || reference.get<uint64_t>() >= document.model.accessors.size())
+    if (!isIndexInto(document.json, "accessors", reference))
         return invalid(path, "tetrahedra refers to an accessor that does not exist");
-    const std::size_t count = document.model.accessors[reference.get<std::size_t>()].count;
+    const std::size_t count = elementCount(document, reference.get<int>());
     const auto vertices = readQuadruples(document, json, "tetrahedra", count, path);
     if (!vertices) return vertices.error();
     set.tetrahedra.resize(count);
@@ -121,11 +121,11 @@ Status readSight(const SourceDocument& document, const Json& json, ProbeSight& s
     if (!ranges) return ranges.error();
     const auto numbers = viewAccessor(document, *ranges);
     if (!numbers) return numbers.error();
-    if (!reference.is_number_unsigned() || reference.get<uint64_t>() >= document.model.accessors.size())
+    if (!isIndexInto(document.json, "accessors", reference))
         return invalid(path, "sight refers to an accessor that does not exist");
     const auto corners = viewAccessor(document, reference.get<int>());
     if (!corners) return corners.error();
-    if (corners->components != 2 || corners->componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+    if (corners->components != 2 || corners->componentType != gltf::kUnsignedShort)
         return invalid(path, "sight is not VEC2 of unsigned short");
     std::size_t maps = 0;
     for (std::size_t i = 0; i < probeCount; ++i) {

@@ -25,7 +25,6 @@
 namespace halflight {
 
 namespace {
-
 // What makes the shape of a node's mesh: nodes that agree in all of it share a scene mesh.
 struct MeshKey {
     int mesh = -1;
@@ -39,9 +38,11 @@ struct MeshKey {
 
 MeshKey meshKey(const SourceDocument& document, int nodeIndex)
 {
-    const tinygltf::Node& node = document.model.nodes[std::size_t(nodeIndex)];
-    const std::vector<double>& ofMesh = document.model.meshes[std::size_t(node.mesh)].weights;
-    return {node.mesh, node.weights.empty() ? ofMesh : node.weights, isSkinned(document, nodeIndex) ? nodeIndex : -1};
+    const Json& node = element(document.json, "nodes", nodeIndex);
+    const int mesh = integerOf(node, "mesh");
+    const Json& own = member(node, "weights");
+    const Json& weights = own.empty() ? member(element(document.json, "meshes", mesh), "weights") : own;
+    return {mesh, {weights.begin(), weights.end()}, isSkinned(document, nodeIndex) ? nodeIndex : -1};
 }
 
 /// A node's shape in the scene.
@@ -63,10 +64,11 @@ Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const s
 {
     std::map<MeshKey, NodeMesh> meshes;
     bool anySkin = false;
-    for (const NodeState& state : nodes) {
-        if (document.model.nodes[std::size_t(state.node)].mesh < 0 || !state.visible) continue;
-        const auto it = meshes.try_emplace(meshKey(document, state.node)).first;
-        anySkin = anySkin || it->first.skinnedNode >= 0;
+    std::vector<std::pair<const MeshKey, NodeMesh>*> ofNode(nodes.size(), nullptr); // by state, in `meshes`
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (!nodes[i].visible || !element(document.json, "nodes", nodes[i].node).contains("mesh")) continue;
+        ofNode[i] = &*meshes.try_emplace(meshKey(document, nodes[i].node)).first;
+        anySkin = anySkin || ofNode[i]->first.skinnedNode >= 0;
     }
     std::vector<glm::dmat4> worldFromNode;
     if (anySkin) {
@@ -119,8 +121,7 @@ Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const s
         scene.warnings.push_back(std::to_string(tangentParts) + " normal-mapped primitives got generated tangents");
     std::vector<NodeMesh> ofState(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        if (document.model.nodes[std::size_t(nodes[i].node)].mesh >= 0 && nodes[i].visible)
-            ofState[i] = meshes.at(meshKey(document, nodes[i].node));
+        if (ofNode[i] != nullptr) ofState[i] = ofNode[i]->second;
     }
     return ofState;
 }
@@ -175,18 +176,18 @@ Status placeScene(const SourceDocument& document, std::vector<NodeState>& nodes,
 Status addObjects(const SourceDocument& document, const NodeState& state, const NodeMesh& placed, Scene& scene,
                   Placement& placement)
 {
-    const auto& node = document.model.nodes[std::size_t(state.node)];
-    const Json& json = document.json["nodes"][std::size_t(state.node)];
+    const Json& json = element(document.json, "nodes", state.node);
+    const bool hasSkin = json.contains("skin");
     const std::string path = pathOf("nodes", std::size_t(state.node));
     Object object;
     object.name = state.name;
     object.mesh = placed.mesh;
     const glm::dmat4 worldFromShape = placed.worldFromObject.value_or(state.worldFromNode);
-    const bool moves = state.animated || state.morphed || node.skin >= 0;
+    const bool moves = state.animated || state.morphed || hasSkin;
     object.isStatic = state.settings.isStatic.value_or(!moves);
     if (object.isStatic && moves)
         scene.warnings.push_back(path + ": " + state.name + " moves, but is static by its settings");
-    if (node.skin >= 0 && !placed.worldFromObject) {
+    if (hasSkin && !placed.worldFromObject) {
         scene.warnings.push_back(path + ": " + state.name +
                                  " has a skin, but instances or no joints and weights: it is where its node is");
     }
@@ -220,7 +221,7 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
                           Scene& scene)
 {
     const Json& json = activeScene(document);
-    const std::string path = pathOf("scenes", std::size_t(std::max(0, document.model.defaultScene)));
+    const std::string path = pathOf("scenes", std::size_t(activeSceneIndex(document)));
     auto authored = sceneSettingsOf(member(json, "extras"), path);
     if (!authored) return authored.error();
     if (authored->skyImage) authored->skyImage = document.directory / *authored->skyImage;
@@ -333,8 +334,7 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     }
     Scene scene;
     scene.source = document;
-    const Json& name = member(activeScene(*document), "name");
-    if (name.is_string()) scene.name = name.get<std::string>();
+    scene.name = stringOf(activeScene(*document), "name");
 
     auto materials = readMaterials(*document, file, options);
     if (!materials) return materials.error();

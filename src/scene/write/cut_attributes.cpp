@@ -27,15 +27,15 @@ template<typename T> void put(std::byte* to, float number)
 void putNumber(std::byte* element, int componentType, int c, float number)
 {
     switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case gltf::kByte:
         return put<int8_t>(element + c, number);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case gltf::kUnsignedByte:
         return put<uint8_t>(element + c, number);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case gltf::kShort:
         return put<int16_t>(element + 2 * c, number);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case gltf::kUnsignedShort:
         return put<uint16_t>(element + 2 * c, number);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case gltf::kUnsignedInt:
         return put<uint32_t>(element + 4 * c, number);
     default:
         return put<float>(element + 4 * c, number);
@@ -61,9 +61,9 @@ template<typename T> void negate(std::byte* at)
 void negateElement(std::byte* element, int componentType, int components)
 {
     for (int c = 0; c < components; ++c) {
-        if (componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) negate<float>(element + 4 * c);
-        if (componentType == TINYGLTF_COMPONENT_TYPE_SHORT) negate<int16_t>(element + 2 * c);
-        if (componentType == TINYGLTF_COMPONENT_TYPE_BYTE) negate<int8_t>(element + c);
+        if (componentType == gltf::kFloat) negate<float>(element + 4 * c);
+        if (componentType == gltf::kShort) negate<int16_t>(element + 2 * c);
+        if (componentType == gltf::kByte) negate<int8_t>(element + c);
     }
 }
 

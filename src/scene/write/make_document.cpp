@@ -15,9 +15,7 @@ namespace {
 template<typename Vec> int addVectors(DocumentPatcher& patcher, const std::vector<Vec>& values, bool withBounds)
 {
     constexpr const char* kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-    Json accessor = {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT},
-                     {"count", values.size()},
-                     {"type", kTypes[Vec::length() - 1]}};
+    Json accessor = {{"componentType", gltf::kFloat}, {"count", values.size()}, {"type", kTypes[Vec::length() - 1]}};
     if (withBounds) {
         Vec low = values[0];
         Vec high = values[0];
@@ -28,7 +26,7 @@ template<typename Vec> int addVectors(DocumentPatcher& patcher, const std::vecto
         accessor["min"] = numbers(low);
         accessor["max"] = numbers(high);
     }
-    return patcher.addAccessor(std::move(accessor), {bytesOf(values), 0, TINYGLTF_TARGET_ARRAY_BUFFER});
+    return patcher.addAccessor(std::move(accessor), {bytesOf(values), 0, gltf::kVertices});
 }
 
 void writeSlot(Json& object, const char* key, const TextureRef& ref)
@@ -86,9 +84,9 @@ Json materialJson(const Material& material)
 
 int wrapMode(Texture::Wrap wrap)
 {
-    return wrap == Texture::Wrap::ClampToEdge      ? TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE
-           : wrap == Texture::Wrap::MirroredRepeat ? TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT
-                                                   : TINYGLTF_TEXTURE_WRAP_REPEAT;
+    return wrap == Texture::Wrap::ClampToEdge      ? gltf::kClampToEdge
+           : wrap == Texture::Wrap::MirroredRepeat ? gltf::kMirroredRepeat
+                                                   : gltf::kRepeat;
 }
 
 Status writeTextures(DocumentPatcher& patcher, Scene& scene)
@@ -99,7 +97,7 @@ Status writeTextures(DocumentPatcher& patcher, Scene& scene)
         if (!png) return Error{png.error().code, png.error().message, pathOf("textures", i)};
         Json image = {{"mimeType", "image/png"}, {"bufferView", patcher.addView({std::move(*png), 0, 0})}};
         if (!texture.name.empty()) image["name"] = texture.name;
-        const int filter = texture.nearest ? TINYGLTF_TEXTURE_FILTER_NEAREST : TINYGLTF_TEXTURE_FILTER_LINEAR;
+        const int filter = texture.nearest ? gltf::kNearest : gltf::kLinear;
         const int sampler = patcher.append(
             "samplers",
             {{"wrapS", wrapMode(texture.wrapU)}, {"wrapT", wrapMode(texture.wrapV)}, {"magFilter", filter}});
@@ -143,11 +141,9 @@ void writeMeshes(DocumentPatcher& patcher, Scene& scene)
             if (!part.tangents.empty()) attributes["TANGENT"] = addVectors(patcher, part.tangents, false);
             writeTextureSets(patcher, part, attributes);
             if (!part.colors.empty()) attributes["COLOR_0"] = addVectors(patcher, part.colors, false);
-            primitive["indices"] =
-                patcher.addAccessor({{"componentType", TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT},
-                                     {"count", part.indices.size()},
-                                     {"type", "SCALAR"}},
-                                    {bytesOf(part.indices), 0, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER});
+            primitive["indices"] = patcher.addAccessor(
+                {{"componentType", gltf::kUnsignedInt}, {"count", part.indices.size()}, {"type", "SCALAR"}},
+                {bytesOf(part.indices), 0, gltf::kIndices});
             if (part.material >= 0) primitive["material"] = part.material;
             json["primitives"].push_back(std::move(primitive));
             part.sourcePrimitive = int(p);

@@ -114,7 +114,7 @@ private:
     void writeMark()
     {
         if (!baked_.isBaked || !patcher_.json.contains("scenes")) return;
-        Json& scene = patcher_.json["scenes"][std::size_t(std::max(0, source_.model.defaultScene))];
+        Json& scene = patcher_.json["scenes"][std::size_t(activeSceneIndex(source_))];
         if (scene.contains("extras") && !scene["extras"].is_object()) return;
         scene["extras"][kBakeMark] = std::string(nameOf(baked_.mode)) + ", " + std::to_string(nodes_.lightmapped()) +
                                      " lightmapped objects, " + std::to_string(baked_.lightmaps.size()) +

@@ -1,6 +1,7 @@
 #include "scene/write/write_lights.h"
 
 #include "scene/model/origin.h"
+#include "scene/read/geometry/nodes.h"
 #include "scene/read/looks/light_shapes.h"
 
 namespace halflight {
@@ -40,7 +41,7 @@ public:
     Status write()
     {
         for (const Light& light : scene_.lights) {
-            if (light.sourceNode >= 0 && std::size_t(light.sourceNode) >= source_.model.nodes.size()) {
+            if (light.sourceNode >= 0 && std::size_t(light.sourceNode) >= member(source_.json, "nodes").size()) {
                 return Error{ErrorCode::InvalidArgument, "light \"" + light.name + "\" has no node in the source file",
                              ""};
             }
@@ -219,16 +220,15 @@ private:
         Json& scenes = patcher_.json["scenes"];
         if (!scenes.is_array() || scenes.empty()) {
             // Without scenes all root nodes are shown: a scene that lists them, and the new node, shows the same.
-            std::set<int> children;
-            for (const auto& n : source_.model.nodes) children.insert(n.children.begin(), n.children.end());
+            const std::vector<int> parents = parentsOf(member(source_.json, "nodes"));
             Json nodes = Json::array();
-            for (std::size_t i = 0; i < source_.model.nodes.size(); ++i) {
-                if (children.count(int(i)) == 0) nodes.push_back(i);
+            for (std::size_t i = 0; i < parents.size(); ++i) {
+                if (parents[i] < 0) nodes.push_back(i);
             }
             scenes = Json::array({{{"nodes", nodes}}});
             patcher_.json["scene"] = 0;
         }
-        const auto index = std::size_t(std::max(0, source_.model.defaultScene));
+        const auto index = std::size_t(activeSceneIndex(source_));
         scenes[index]["nodes"].push_back(node);
     }
 

@@ -14,9 +14,9 @@ namespace {
 NewView indexView(const std::vector<uint32_t>& indices, std::size_t vertexCount, int& componentType)
 {
     NewView view;
-    view.target = TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER;
+    view.target = gltf::kIndices;
     const bool isShort = vertexCount <= 65535; // 65535 itself means "restart"
-    componentType = isShort ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    componentType = isShort ? gltf::kUnsignedShort : gltf::kUnsignedInt;
     const std::size_t bytes = isShort ? 2 : 4;
     view.bytes.resize(indices.size() * bytes);
     for (std::size_t i = 0; i < indices.size(); ++i) std::memcpy(&view.bytes[i * bytes], &indices[i], bytes);
@@ -93,17 +93,16 @@ Result<int> MeshWriter::remap(const MeshPart& part, int accessor, const std::str
     json["count"] = copy.count;
     if (source_.json["accessors"][std::size_t(accessor)].contains("min")) setBounds(json, copy);
     const int stride = copy.strideBytes != view->bytesPerElement ? int(copy.strideBytes) : 0;
-    const int index =
-        patcher_.addAccessor(std::move(json), {std::move(copy.owned), stride, TINYGLTF_TARGET_ARRAY_BUFFER});
+    const int index = patcher_.addAccessor(std::move(json), {std::move(copy.owned), stride, gltf::kVertices});
     remapped_[key] = index;
     return index;
 }
 
 Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& layout, const Json& source,
-                                       const tinygltf::Primitive& primitive, const std::string& path)
+                                       const std::string& path)
 {
     Json json = source;
-    const std::size_t sourceCount = source_.model.accessors[std::size_t(primitive.attributes.at("POSITION"))].count;
+    const std::size_t sourceCount = elementCount(source_, attributeOf(source, "POSITION"));
     const std::size_t count = part.positions.size();
     const bool split = !part.sourceVertex.empty();
     const bool isBroken = part.lightmapUv.size() != count || (split && part.sourceVertex.size() != count) ||
@@ -133,14 +132,14 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
             if (json["extensions"].empty()) json.erase("extensions");
         }
     }
-    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    const int mode = integerOf(source, "mode", gltf::kTriangles);
     std::vector<uint32_t> sourceIndices;
-    if (primitive.indices >= 0) {
-        auto indices = readIntegers(source_, primitive.indices);
+    if (const int accessor = integerOf(source, "indices"); accessor >= 0) {
+        auto indices = readIntegers(source_, accessor);
         if (!indices) return indices.error();
         sourceIndices = std::move(*indices);
     }
-    if (split || mode != TINYGLTF_MODE_TRIANGLES || trianglesOf(mode, sourceIndices, sourceCount) != part.indices) {
+    if (split || mode != gltf::kTriangles || trianglesOf(mode, sourceIndices, sourceCount) != part.indices) {
         int componentType = 0;
         NewView view = indexView(part.indices, count, componentType);
         json["indices"] = patcher_.addAccessor(
@@ -148,13 +147,13 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
         json.erase("mode");
     }
     NewView uvs;
-    uvs.target = TINYGLTF_TARGET_ARRAY_BUFFER;
+    uvs.target = gltf::kVertices;
     std::vector<vec2> coordinates(count);
     std::transform(part.lightmapUv.begin(), part.lightmapUv.end(), coordinates.begin(),
                    [&](vec2 uv) { return layout.coordinate(uv); });
     uvs.bytes = bytesOf(coordinates);
-    const int lightmapUv = patcher_.addAccessor(
-        {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC2"}}, std::move(uvs));
+    const int lightmapUv =
+        patcher_.addAccessor({{"componentType", gltf::kFloat}, {"count", count}, {"type", "VEC2"}}, std::move(uvs));
     json["attributes"]["TEXCOORD_" + std::to_string(part.lightmapTexCoord)] = lightmapUv;
     // glTF wants the sets numbered without gaps: the lightmap's stands in for missing ones. Textures of a part that
     // lacks the set they read are seen at (0, 0), so for those it is zeros.
@@ -165,9 +164,8 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
         if (attributes.contains(name)) continue;
         const bool isRead = readsTexCoord(element(source_.json, "materials", part.material), k);
         if (isRead && zeroUv < 0) {
-            zeroUv = patcher_.addAccessor(
-                {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC2"}},
-                {std::vector<std::byte>(count * sizeof(vec2)), 0, TINYGLTF_TARGET_ARRAY_BUFFER});
+            zeroUv = patcher_.addAccessor({{"componentType", gltf::kFloat}, {"count", count}, {"type", "VEC2"}},
+                                          {std::vector<std::byte>(count * sizeof(vec2)), 0, gltf::kVertices});
         }
         attributes[name] = isRead ? zeroUv : lightmapUv;
     }
@@ -179,32 +177,31 @@ Result<Json> MeshWriter::patchedMesh(int sceneMesh)
 {
     const Mesh& mesh = scene_.meshes[std::size_t(sceneMesh)];
     const Json& source = source_.json["meshes"][std::size_t(mesh.sourceMesh)];
-    const auto& model = source_.model.meshes[std::size_t(mesh.sourceMesh)];
+    const Json& sourcePrimitives = source["primitives"];
     const std::string path = pathOf("meshes", std::size_t(mesh.sourceMesh)) + "/primitives/";
     for (const MeshPart& part : mesh.parts) {
-        if (part.sourcePrimitive < 0 || std::size_t(part.sourcePrimitive) >= model.primitives.size()) {
+        if (part.sourcePrimitive < 0 || std::size_t(part.sourcePrimitive) >= sourcePrimitives.size()) {
             return Error{ErrorCode::InvalidArgument, "a part of the mesh has no primitive in the source file",
                          path + std::to_string(part.sourcePrimitive)};
         }
     }
     Json patched = source;
     Json primitives = Json::array();
-    for (std::size_t s = 0; s < model.primitives.size(); ++s) {
-        const Json& primitive = source["primitives"][s];
+    for (std::size_t s = 0; s < sourcePrimitives.size(); ++s) {
+        const Json& primitive = sourcePrimitives[s];
         bool hasPart = false;
         for (const MeshPart& part : mesh.parts) {
             if (part.sourcePrimitive != int(s)) continue;
             hasPart = true;
             primitives.push_back(primitive);
             if (part.lightmapUv.empty()) continue;
-            auto json = primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitive, model.primitives[s],
-                                      path + std::to_string(s));
+            auto json = primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitive, path + std::to_string(s));
             if (!json) return json.error();
             sides_.setIn(*json, part.side);
             primitives.back() = std::move(*json);
         }
         const bool isOldBack =
-            markedSide(element(source_.json, "materials", model.primitives[s].material)) == SurfaceSide::Back;
+            markedSide(element(source_.json, "materials", integerOf(primitive, "material"))) == SurfaceSide::Back;
         if (!hasPart && !isOldBack) primitives.push_back(primitive);
     }
     patched["primitives"] = std::move(primitives);

@@ -25,7 +25,7 @@ public:
 private:
     Result<Json> patchedMesh(int sceneMesh);
     Result<Json> primitiveJson(const MeshPart& part, const FileLayout& layout, const Json& source,
-                               const tinygltf::Primitive& primitive, const std::string& path);
+                               const std::string& path);
     Result<int> remap(const MeshPart& part, int accessor, const std::string& attribute, Between between);
 
     DocumentPatcher& patcher_;

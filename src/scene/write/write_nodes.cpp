@@ -33,7 +33,7 @@ Status NodeWriter::write()
 {
     std::map<int, Objects> objectsOf; // by node
     for (const Object& object : scene_.objects) {
-        if (object.sourceNode < 0 || std::size_t(object.sourceNode) >= source_.model.nodes.size()) {
+        if (object.sourceNode < 0 || std::size_t(object.sourceNode) >= member(source_.json, "nodes").size()) {
             return Error{ErrorCode::InvalidArgument, "object \"" + object.name + "\" has no node in the source file",
                          ""};
         }
@@ -55,7 +55,7 @@ Status NodeWriter::check(const Objects& objects, bool lightmapped, const std::st
 {
     const auto wrong = [&](const std::string& what) { return Error{ErrorCode::InvalidArgument, what, path}; };
     const Mesh& mesh = scene_.meshes[std::size_t(objects[0]->mesh)];
-    if (mesh.sourceMesh < 0 || std::size_t(mesh.sourceMesh) >= source_.model.meshes.size())
+    if (mesh.sourceMesh < 0 || std::size_t(mesh.sourceMesh) >= member(source_.json, "meshes").size())
         return wrong("the node's mesh does not come from the source file");
     const std::size_t pages = baked_.lightmaps.size();
     for (const Object* object : objects) {
@@ -126,10 +126,9 @@ void NodeWriter::writeInstances(int node, const Objects& objects)
     }
     Json& attributes = extensionsOf(node)["EXT_mesh_gpu_instancing"]["attributes"];
     attributes["_HALFLIGHT_LIGHTMAP_ST"] = patcher_.addAccessor(
-        {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC4"}}, NewView{bytesOf(st)});
-    attributes["_HALFLIGHT_LIGHTMAP_PAGE"] =
-        patcher_.addAccessor({{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "SCALAR"}},
-                             NewView{bytesOf(page)});
+        {{"componentType", gltf::kFloat}, {"count", count}, {"type", "VEC4"}}, NewView{bytesOf(st)});
+    attributes["_HALFLIGHT_LIGHTMAP_PAGE"] = patcher_.addAccessor(
+        {{"componentType", gltf::kFloat}, {"count", count}, {"type", "SCALAR"}}, NewView{bytesOf(page)});
 }
 
 } // namespace halflight

@@ -8,10 +8,6 @@ namespace halflight {
 
 namespace {
 
-constexpr int kLinear = 9729; // WebGL enums, as glTF has them
-constexpr int kClampToEdge = 33071;
-constexpr int kRepeat = 10497;
-
 // All images that a texture names.
 std::vector<int> imagesOf(const Json& texture)
 {
@@ -34,7 +30,7 @@ PictureWriter::PictureWriter(DocumentPatcher& patcher, const SourceDocument& sou
     std::set<int> ofBake;
     for (const Json& reference : pictureReferences(root)) {
         const Json& index = member(reference, "index");
-        if (index.is_number_unsigned() && index.get<uint64_t>() < textures.size()) ofBake.insert(index.get<int>());
+        if (isIndexInto(source.json, "textures", index)) ofBake.insert(index.get<int>());
     }
     std::set<int> images;
     std::set<int> othersImages;
@@ -73,10 +69,10 @@ int PictureWriter::placeholder()
 
 int PictureWriter::sampler(Wrap wrap)
 {
-    const Json wanted = {{"magFilter", kLinear},
-                         {"minFilter", kLinear},
-                         {"wrapS", wrap == Wrap::Clamp ? kClampToEdge : kRepeat},
-                         {"wrapT", kClampToEdge}};
+    const Json wanted = {{"magFilter", gltf::kLinear},
+                         {"minFilter", gltf::kLinear},
+                         {"wrapS", wrap == Wrap::Clamp ? gltf::kClampToEdge : gltf::kRepeat},
+                         {"wrapT", gltf::kClampToEdge}};
     const Json& samplers = member(patcher_.json, "samplers");
     const auto same = std::find(samplers.begin(), samplers.end(), wanted);
     return same != samplers.end() ? int(same - samplers.begin()) : patcher_.append("samplers", wanted);

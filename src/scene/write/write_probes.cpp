@@ -7,7 +7,7 @@ namespace halflight {
 
 namespace {
 
-constexpr int kFloat = TINYGLTF_COMPONENT_TYPE_FLOAT;
+constexpr int kFloat = gltf::kFloat;
 
 class ProbeAccessors {
 public:
@@ -39,7 +39,7 @@ void addTetrahedra(ProbeAccessors& accessors, const ProbeSet& set, Json& json)
         vertices.insert(vertices.end(), cell.vertex.begin(), cell.vertex.end());
         neighbors.insert(neighbors.end(), cell.neighbor.begin(), cell.neighbor.end());
     }
-    constexpr int kUnsigned = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    constexpr int kUnsigned = gltf::kUnsignedInt;
     json["tetrahedra"] = accessors.add("VEC4", kUnsigned, cells.size(), vertices);
     json["neighbors"] = accessors.add("VEC4", kUnsigned, cells.size(), neighbors);
 }
@@ -49,7 +49,7 @@ void addSight(ProbeAccessors& accessors, const ProbeSight& sight, Json& json)
 {
     if (sight.corners.empty()) return;
     json["sightRanges"] = accessors.add("SCALAR", kFloat, sight.rangeMeters.size(), sight.rangeMeters);
-    json["sight"] = accessors.add("VEC2", TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, sight.corners.size(), sight.corners);
+    json["sight"] = accessors.add("VEC2", gltf::kUnsignedShort, sight.corners.size(), sight.corners);
 }
 
 } // namespace
@@ -81,7 +81,7 @@ Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, int maskLayers, u
         for (const Probe& probe : set.probes) occlusion.push_back(probe.occlusion.layers[layer]);
         json[kOcclusionAccessors[layer]] = accessors.add("VEC4", kFloat, count, occlusion);
     }
-    json["valid"] = accessors.add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, count, valid);
+    json["valid"] = accessors.add("SCALAR", gltf::kUnsignedByte, count, valid);
     addTetrahedra(accessors, set, json);
     addSight(accessors, set.sight, json);
     if (Json grid = gridJson(set, dvec3(set.origin)); !grid.is_null()) json["grid"] = std::move(grid);

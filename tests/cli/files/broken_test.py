@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import make_truth_report as report
 
 # What libraries call themselves in their messages, and what this program says where one of them gave up.
-FOREIGN = re.compile(r"json\.exception|nlohmann|std::|tinygltf|basic_string|bad_alloc|toml::|CLI::|Imf|_M_|internal error")
+FOREIGN = re.compile(r"json\.exception|nlohmann|std::|basic_string|bad_alloc|toml::|CLI::|Imf|_M_|internal error")
 
 
 def parts_of(path):

@@ -32,6 +32,12 @@ std::vector<std::string> readableCompression()
     return names;
 }
 
+int imageOf(const Json& texture)
+{
+    const Json& webp = extensionOf(texture, "EXT_texture_webp");
+    return integerOf(webp.contains("source") && readsCompression("EXT_texture_webp") ? webp : texture, "source");
+}
+
 std::string conversionHint(std::string_view extension)
 {
     // Tried with gltf-transform 4.5 and gltfpack 1.3; "copy" decompresses, "ktxdecompress" calls KTX-Software's `ktx`.

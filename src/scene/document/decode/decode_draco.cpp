@@ -10,15 +10,6 @@ namespace {
 
 constexpr uint64_t kIndices = ~uint64_t(0); // in place of an attribute's id
 
-int typeComponents(const Json& accessor)
-{
-    const Json& type = member(accessor, "type");
-    for (int n = 1; n <= 4; ++n) {
-        if (type == (n == 1 ? std::string("SCALAR") : "VEC" + std::to_string(n))) return n;
-    }
-    return 0;
-}
-
 /// min and max of decoded values, which differ from the encoder's input by quantization.
 void updateBounds(Json& accessor, const std::vector<std::byte>& bytes, std::size_t strideBytes)
 {
@@ -30,14 +21,14 @@ void updateBounds(Json& accessor, const std::vector<std::byte>& bytes, std::size
     view.componentType = accessor["componentType"].get<int>();
     Json low = Json::array();
     Json high = Json::array();
-    for (int c = 0; c < typeComponents(accessor); ++c) {
+    for (int c = 0; c < elementSize(accessor).components; ++c) {
         float least = view.number(0, c);
         float most = least;
         for (std::size_t i = 1; i < view.count; ++i) {
             least = std::min(least, view.number(i, c));
             most = std::max(most, view.number(i, c));
         }
-        if (view.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        if (view.componentType == gltf::kFloat) {
             low.push_back(least);
             high.push_back(most);
         } else {
@@ -47,15 +38,6 @@ void updateBounds(Json& accessor, const std::vector<std::byte>& bytes, std::size
     }
     accessor["min"] = std::move(low);
     accessor["max"] = std::move(high);
-}
-
-Result<std::size_t> accessorIndex(const Json& json, const Json& reference, const std::string& path)
-{
-    if (!reference.is_number_unsigned() && !(reference.is_number_integer() && reference.get<int64_t>() >= 0))
-        return invalid(path, "its accessor is not an unsigned integer");
-    if (reference.get<uint64_t>() >= member(json, "accessors").size())
-        return invalid(path, "refers to an accessor that does not exist");
-    return reference.get<std::size_t>();
 }
 
 } // namespace
@@ -103,15 +85,15 @@ Status DracoDecoder::decode(Json& primitive, const std::string& primitivePath)
 Result<std::size_t> DracoDecoder::attribute(const DracoMesh& mesh, uint64_t view, uint64_t id, const Json& reference,
                                             const std::string& path)
 {
-    const auto index = accessorIndex(buffer_.json(), reference, path);
-    if (!index) return index.error();
-    const auto key = std::make_tuple(view, id, *index);
+    if (!isIndexInto(buffer_.json(), "accessors", reference))
+        return invalid(path, "refers to an accessor that does not exist");
+    const auto index = reference.get<std::size_t>();
+    const auto key = std::make_tuple(view, id, index);
     if (const auto it = placed_.find(key); it != placed_.end()) return it->second;
-    Json accessor = buffer_.json()["accessors"][*index];
-    const int components = typeComponents(accessor);
-    const std::size_t bytes =
-        std::size_t(componentBytes(accessor["componentType"].get<int>())) * std::size_t(components);
-    if (bytes == 0) return invalid(pathOf("accessors", *index), "is of a type that Draco data cannot have");
+    Json accessor = buffer_.json()["accessors"][index];
+    const auto [components, bytes] = elementSize(accessor);
+    if (bytes == 0 || stringOf(accessor, "type").starts_with("MAT"))
+        return invalid(pathOf("accessors", index), "is of a type that Draco data cannot have");
     if (accessor["count"] != mesh.pointCount()) {
         return invalid(path, "the Draco data has " + std::to_string(mesh.pointCount()) +
                                  " points, its accessor another count");
@@ -121,8 +103,7 @@ Result<std::size_t> DracoDecoder::attribute(const DracoMesh& mesh, uint64_t view
     const auto values = mesh.attribute(id, accessor["componentType"].get<int>(), components, stride);
     if (!values) return Error{values.error().code, values.error().message, path};
     if (!values->empty()) updateBounds(accessor, *values, stride);
-    const std::size_t placed =
-        buffer_.place(*index, accessor, *values, TINYGLTF_TARGET_ARRAY_BUFFER, stride == bytes ? 0 : stride);
+    const std::size_t placed = buffer_.place(index, accessor, *values, gltf::kVertices, stride == bytes ? 0 : stride);
     placed_[key] = placed;
     return placed;
 }
@@ -132,20 +113,20 @@ Status DracoDecoder::indices(const DracoMesh& mesh, uint64_t view, Json& primiti
     const std::size_t count = mesh.indices().size();
     const Json& mode = member(primitive, "mode");
     std::size_t index = member(buffer_.json(), "accessors").size();
-    Json accessor = {{"componentType", TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT}, {"count", count}, {"type", "SCALAR"}};
-    if (mode.is_null() || mode == TINYGLTF_MODE_TRIANGLES) {
+    Json accessor = {{"componentType", gltf::kUnsignedInt}, {"count", count}, {"type", "SCALAR"}};
+    if (mode.is_null() || mode == gltf::kTriangles) {
         if (const Json& reference = member(primitive, "indices"); !reference.is_null()) {
-            const auto named = accessorIndex(buffer_.json(), reference, path);
-            if (!named) return named.error();
-            index = *named;
+            if (!isIndexInto(buffer_.json(), "accessors", reference))
+                return invalid(path, "refers to an accessor that does not exist");
+            index = reference.get<std::size_t>();
             if (buffer_.json()["accessors"][index]["count"] != count) {
                 return invalid(path, "the Draco data has " + std::to_string(count) +
                                          " indices, their accessor another count");
             }
             accessor = buffer_.json()["accessors"][index];
         }
-    } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) { // Draco data is a list of triangles in any case
-        primitive["mode"] = TINYGLTF_MODE_TRIANGLES;
+    } else if (mode == gltf::kTriangleStrip) { // Draco data is a list of triangles in any case
+        primitive["mode"] = gltf::kTriangles;
     } else {
         return invalid(path, "Draco data is of triangles, its primitive is not");
     }
@@ -156,12 +137,11 @@ Status DracoDecoder::indices(const DracoMesh& mesh, uint64_t view, Json& primiti
     }
     if (Status s = buffer_.hasRoomFor(count * sizeof(uint32_t), path); !s) return s;
     if (count == 0) return invalid(path, "the Draco data has no triangle");
-    accessor["componentType"] = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    accessor["componentType"] = gltf::kUnsignedInt;
     const auto bytes = std::as_bytes(std::span(mesh.indices()));
     accessor.erase("min");
     accessor.erase("max");
-    placed_[key] =
-        buffer_.place(index, accessor, {bytes.begin(), bytes.end()}, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, 0);
+    placed_[key] = buffer_.place(index, accessor, {bytes.begin(), bytes.end()}, gltf::kIndices, 0);
     primitive["indices"] = placed_[key];
     return {};
 }

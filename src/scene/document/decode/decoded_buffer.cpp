@@ -15,14 +15,14 @@ Result<uint64_t> integerMember(const Json& object, const char* key, const std::s
     return value.get<uint64_t>();
 }
 
-DecodedBuffer::DecodedBuffer(Json& json, std::vector<tinygltf::Buffer>& buffers)
+DecodedBuffer::DecodedBuffer(Json& json, std::vector<std::vector<std::byte>>& buffers)
     : json_(json), buffers_(buffers), index_(buffers.size())
 {
     constexpr uint64_t kFree = uint64_t(1) << 28;
     constexpr uint64_t kMost = uint64_t(1) << 32; // a GLB can hold no more
     constexpr uint64_t kRatio = 256;              // the best that flat meshes reach is some 100:1
     uint64_t source = 0;
-    for (const tinygltf::Buffer& buffer : buffers) source += buffer.data.size();
+    for (const auto& buffer : buffers) source += buffer.size();
     left_ = std::min(kMost, kFree + kRatio * source);
 }
 
@@ -41,10 +41,10 @@ Result<std::span<const std::byte>> DecodedBuffer::bytesOf(const Json& range, con
     const auto length = integerMember(range, "byteLength", path);
     if (!length) return length.error();
     if (*buffer >= buffers_.size()) return invalid(path, "refers to a buffer that does not exist");
-    const auto& data = buffers_[std::size_t(*buffer)].data;
+    const auto& data = buffers_[std::size_t(*buffer)];
     if (*length == 0 || *offset + *length > data.size())
         return invalid(path, "reaches past the end of buffer " + std::to_string(*buffer));
-    return std::as_bytes(std::span(data)).subspan(std::size_t(*offset), std::size_t(*length));
+    return std::span(data).subspan(std::size_t(*offset), std::size_t(*length));
 }
 
 std::size_t DecodedBuffer::append(const std::vector<std::byte>& bytes)
@@ -52,8 +52,7 @@ std::size_t DecodedBuffer::append(const std::vector<std::byte>& bytes)
     constexpr std::size_t kAlignment = 16;
     decoded_.resize((decoded_.size() + kAlignment - 1) / kAlignment * kAlignment);
     const std::size_t offset = decoded_.size();
-    const auto* first = reinterpret_cast<const unsigned char*>(bytes.data());
-    decoded_.insert(decoded_.end(), first, first + bytes.size());
+    decoded_.insert(decoded_.end(), bytes.begin(), bytes.end());
     left_ -= std::min<uint64_t>(left_, bytes.size() + kAlignment);
     return offset;
 }
@@ -81,10 +80,8 @@ std::size_t DecodedBuffer::place(std::size_t accessorIndex, Json accessor, const
 void DecodedBuffer::finish()
 {
     if (decoded_.empty()) return;
-    tinygltf::Buffer buffer;
-    buffer.data = std::move(decoded_);
-    json_["buffers"].push_back({{"byteLength", buffer.data.size()}});
-    buffers_.push_back(std::move(buffer));
+    json_["buffers"].push_back({{"byteLength", decoded_.size()}});
+    buffers_.push_back(std::move(decoded_));
 }
 
 } // namespace halflight

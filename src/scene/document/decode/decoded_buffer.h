@@ -14,7 +14,7 @@ Result<uint64_t> integerMember(const Json& object, const char* key, const std::s
 /// A new buffer behind the document's. It may take 256 MiB and 256 times the buffers' size, and 4 GiB at most.
 class DecodedBuffer {
 public:
-    DecodedBuffer(Json& json, std::vector<tinygltf::Buffer>& buffers);
+    DecodedBuffer(Json& json, std::vector<std::vector<std::byte>>& buffers);
 
     [[nodiscard]] Json& json() const { return json_; }
     /// Its number among the document's.
@@ -36,9 +36,9 @@ public:
 
 private:
     Json& json_;
-    std::vector<tinygltf::Buffer>& buffers_;
+    std::vector<std::vector<std::byte>>& buffers_;
     const std::size_t index_;
-    std::vector<unsigned char> decoded_;
+    std::vector<std::byte> decoded_;
     uint64_t left_ = 0;
 };
 

@@ -72,7 +72,7 @@ void eraseNames(Json& json, const char* list)
 }
 
 /// Compressed data and fallback buffers.
-Status dropUnusedBuffers(Json& json, std::vector<tinygltf::Buffer>& buffers)
+Status dropUnusedBuffers(Json& json, std::vector<std::vector<std::byte>>& buffers)
 {
     std::set<uint64_t> used;
     Json& views = json["bufferViews"];
@@ -84,7 +84,7 @@ Status dropUnusedBuffers(Json& json, std::vector<tinygltf::Buffer>& buffers)
     }
     std::map<uint64_t, std::size_t> place;
     Json kept = Json::array();
-    std::vector<tinygltf::Buffer> keptBuffers;
+    std::vector<std::vector<std::byte>> keptBuffers;
     for (const uint64_t buffer : used) {
         place[buffer] = keptBuffers.size();
         kept.push_back(json["buffers"][buffer]);
@@ -100,7 +100,7 @@ Status dropUnusedBuffers(Json& json, std::vector<tinygltf::Buffer>& buffers)
 
 } // namespace
 
-Status decompress(Json& json, std::vector<tinygltf::Buffer>& buffers)
+Status decompress(Json& json, std::vector<std::vector<std::byte>>& buffers)
 {
     if (!hasCompression(json)) return {};
     DecodedBuffer decoded(json, buffers);

@@ -1,6 +1,6 @@
 #include "scene/document/decode/draco_mesh.h"
 
-#include "scene/document/tinygltf.h"
+#include "scene/document/enumerators.h"
 
 #include <algorithm>
 #include <cstring>
@@ -162,22 +162,22 @@ Result<std::vector<std::byte>> DracoMesh::attribute(uint64_t uniqueId, int compo
     };
     bool good = false;
     switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case gltf::kByte:
         good = convert(int8_t{});
         break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case gltf::kUnsignedByte:
         good = convert(uint8_t{});
         break;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case gltf::kShort:
         good = convert(int16_t{});
         break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case gltf::kUnsignedShort:
         good = convert(uint16_t{});
         break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case gltf::kUnsignedInt:
         good = convert(uint32_t{});
         break;
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+    case gltf::kFloat:
         good = convert(float{});
         break;
     default:

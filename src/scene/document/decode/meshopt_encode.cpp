@@ -71,7 +71,7 @@ std::vector<ViewUse> usesOfViews(Json& json)
             ViewUse& use = uses[view.get<std::size_t>()];
             use.isIndices = true;
             const Json& mode = member(primitive, "mode");
-            use.isOther = use.isOther || !(mode.is_null() || mode == TINYGLTF_MODE_TRIANGLES);
+            use.isOther = use.isOther || !(mode.is_null() || mode == gltf::kTriangles);
         }
     }
     return uses;
@@ -146,7 +146,7 @@ Stream streamOf(const Json& accessor, const Json& view, const ViewUse& use)
     stream.stride = bytes / count;
     stream.isIndices = use.isIndices;
     stream.target = view.value("target", 0);
-    stream.isVertices = stream.target == TINYGLTF_TARGET_ARRAY_BUFFER || view.contains("byteStride");
+    stream.isVertices = stream.target == gltf::kVertices || view.contains("byteStride");
     const Json& plan = member(accessor, kMeshoptPlan);
     if (plan.is_object()) {
         stream.filter = plan["filter"].get<std::string>();

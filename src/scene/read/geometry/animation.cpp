@@ -33,15 +33,11 @@ void addNode(AnimatedThings& things, const Target& target)
     if (member.starts_with("weights")) things.morphedNodes[std::size_t(target.index)] = true;
 }
 
-void addPointer(AnimatedThings& things, const SourceDocument& document, const std::string& pointer)
+void addPointer(AnimatedThings& things, std::set<int>& morphedMeshes, const std::string& pointer)
 {
     addNode(things, targetIn(pointer, "/nodes/"));
-    if (const Target mesh = targetIn(pointer, "/meshes/"); mesh.index >= 0 && mesh.member.starts_with("weights")) {
-        for (std::size_t n = 0; n < things.morphedNodes.size(); ++n) {
-            const auto& node = document.model.nodes[n];
-            if (node.mesh == mesh.index && node.weights.empty()) things.morphedNodes[n] = true;
-        }
-    }
+    if (const Target mesh = targetIn(pointer, "/meshes/"); mesh.index >= 0 && mesh.member.starts_with("weights"))
+        morphedMeshes.insert(mesh.index);
     if (const Target light = targetIn(pointer, "/extensions/KHR_lights_punctual/lights/"); light.index >= 0)
         things.lights[light.index].insert(light.member);
     if (const Target light = targetIn(pointer, "/extensions/EXT_lights_area/lights/"); light.index >= 0)
@@ -55,19 +51,20 @@ void addPointer(AnimatedThings& things, const SourceDocument& document, const st
 AnimatedThings animatedThings(const SourceDocument& document)
 {
     AnimatedThings things;
-    things.movedNodes.resize(document.model.nodes.size());
-    things.morphedNodes.resize(document.model.nodes.size());
-    // From the JSON: tinygltf drops channels that name no node.
+    const Json& nodes = member(document.json, "nodes");
+    things.movedNodes.resize(nodes.size());
+    things.morphedNodes.resize(nodes.size());
+    std::set<int> morphedMeshes;
     for (const Json& animation : member(document.json, "animations")) {
         for (const Json& channel : member(animation, "channels")) {
             const Json& target = member(channel, "target");
-            const Json& path = member(target, "path");
-            const Json& node = member(target, "node");
-            if (path.is_string() && node.is_number_unsigned() && node.get<uint64_t>() < things.movedNodes.size())
-                addNode(things, {node.get<int>(), path.get<std::string>()});
-            const Json& pointer = member(extensionOf(target, "KHR_animation_pointer"), "pointer");
-            if (pointer.is_string()) addPointer(things, document, pointer.get<std::string>());
+            addNode(things, {integerOf(target, "node"), stringOf(target, "path")});
+            addPointer(things, morphedMeshes, stringOf(extensionOf(target, "KHR_animation_pointer"), "pointer"));
         }
+    }
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        if (morphedMeshes.contains(integerOf(nodes[n], "mesh")) && member(nodes[n], "weights").empty())
+            things.morphedNodes[n] = true;
     }
     return things;
 }

@@ -110,11 +110,10 @@ Result<std::vector<glm::dmat4>> instanceTransforms(const SourceDocument& documen
     std::vector<vec4> rotation;
     std::vector<vec3> scale;
     for (const auto& [name, value] : attributes.items()) {
-        if (!value.is_number_unsigned() || value.get<uint64_t>() >= document.model.accessors.size()) {
+        if (!isIndexInto(document.json, "accessors", value))
             return invalid(path, name + " refers to an accessor that does not exist");
-        }
         const int accessor = value.get<int>();
-        const std::size_t length = document.model.accessors[std::size_t(accessor)].count;
+        const std::size_t length = elementCount(document, accessor);
         if (count && *count != length) return invalid(path, "attributes differ in length");
         count = length;
         const auto fetch = [&](auto result, auto& out) -> Status {
@@ -139,31 +138,36 @@ Result<std::vector<glm::dmat4>> instanceTransforms(const SourceDocument& documen
     return transforms;
 }
 
+std::vector<int> parentsOf(const Json& nodes)
+{
+    std::vector<int> parents(nodes.size(), -1);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        for (const Json& child : member(nodes[i], "children")) parents[child.get<std::size_t>()] = int(i);
+    }
+    return parents;
+}
+
 const Json& activeScene(const SourceDocument& document)
 {
-    const int scene = document.model.defaultScene >= 0 ? document.model.defaultScene : 0;
-    return element(document.json, "scenes", scene);
+    return element(document.json, "scenes", activeSceneIndex(document));
 }
 
 Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const AnimatedThings& animated,
                                          FileSettings& file, std::vector<std::string>& warnings)
 {
-    const auto& model = document.model;
+    const Json& nodes = member(document.json, "nodes");
     std::vector<int> roots;
-    if (!model.scenes.empty()) {
-        roots = model.scenes[std::size_t(std::max(0, model.defaultScene))].nodes;
+    if (const Json& scene = activeScene(document); !scene.is_null()) {
+        for (const Json& root : member(scene, "nodes")) roots.push_back(root.get<int>());
     } else {
-        std::vector<bool> isChild(model.nodes.size(), false);
-        for (const auto& node : model.nodes) {
-            for (const int child : node.children) isChild[std::size_t(child)] = true;
-        }
-        for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-            if (!isChild[i]) roots.push_back(int(i));
+        const std::vector<int> parents = parentsOf(nodes);
+        for (std::size_t i = 0; i < parents.size(); ++i) {
+            if (parents[i] < 0) roots.push_back(int(i));
         }
     }
 
     // A stack, not recursion: hierarchies may be as deep as the file is long.
-    std::vector<bool> visited(model.nodes.size(), false);
+    std::vector<bool> visited(nodes.size(), false);
     std::vector<NodeState> states;
     struct Pending {
         int node;
@@ -177,7 +181,7 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const A
         const auto index = std::size_t(pending.node);
         if (visited[index]) continue; // a root listed twice
         visited[index] = true;
-        const Json& json = document.json["nodes"][index];
+        const Json& json = nodes[index];
         const std::string path = pathOf("nodes", index);
         NodeState state;
         if (pending.parent >= 0) {
@@ -189,7 +193,8 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const A
             state.isStaticFile = parent.isStaticFile;
         }
         state.node = pending.node;
-        state.name = model.nodes[index].name.empty() ? "node " + std::to_string(index) : model.nodes[index].name;
+        state.name = stringOf(json, "name");
+        if (state.name.empty()) state.name = "node " + std::to_string(index);
         const auto local = localTransform(json, path);
         if (!local) return local.error();
         state.worldFromNode = state.worldFromNode * *local;
@@ -219,8 +224,9 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const A
                                                      : state.isStaticExtras;
 
         states.push_back(std::move(state));
-        const auto& children = model.nodes[index].children;
-        for (auto it = children.rbegin(); it != children.rend(); ++it) stack.push_back({*it, int(states.size()) - 1});
+        const Json& children = member(json, "children");
+        for (std::size_t c = children.size(); c-- > 0;)
+            stack.push_back({children[c].get<int>(), int(states.size()) - 1});
     }
     return states;
 }

@@ -28,6 +28,9 @@ struct NodeState {
 Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const AnimatedThings& animated,
                                          FileSettings& file, std::vector<std::string>& warnings);
 
+/// The parent of each of the document's nodes, or -1.
+std::vector<int> parentsOf(const Json& nodes);
+
 /// The JSON of the scene that walkNodes() walks, or null.
 const Json& activeScene(const SourceDocument& document);
 

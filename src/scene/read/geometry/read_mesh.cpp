@@ -15,14 +15,15 @@ namespace halflight {
 namespace {
 
 // Adds the weighted morph targets to an attribute (glTF 2.0, section 3.7.2.2). Tangents' signs are not morphed.
-template<typename Vec> Status morph(const SourceDocument& document, const tinygltf::Primitive& primitive,
+template<typename Vec> Status morph(const SourceDocument& document, const Json& primitive,
                                     const std::vector<double>& weights, const char* attribute, std::vector<Vec>& values)
 {
     if (values.empty()) return {};
-    for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
-        const auto it = primitive.targets[t].find(attribute);
-        if (it == primitive.targets[t].end() || weights[t] == 0.0) continue;
-        const auto offsets = readVectors<3>(document, it->second);
+    const Json& targets = member(primitive, "targets");
+    for (std::size_t t = 0; t < targets.size() && t < weights.size(); ++t) {
+        const int accessor = integerOf(targets[t], attribute);
+        if (accessor < 0 || weights[t] == 0.0) continue;
+        const auto offsets = readVectors<3>(document, accessor);
         if (!offsets) return offsets.error();
         for (std::size_t i = 0; i < values.size(); ++i) {
             for (int c = 0; c < 3; ++c) values[i][c] += float(weights[t]) * (*offsets)[i][c];
@@ -34,16 +35,16 @@ template<typename Vec> Status morph(const SourceDocument& document, const tinygl
 // Attributes other than positions: one that this program cannot use is a warning, not an error.
 class AttributeReader {
 public:
-    AttributeReader(const SourceDocument& document, const tinygltf::Primitive& primitive, std::string path,
+    AttributeReader(const SourceDocument& document, const Json& primitive, std::string path,
                     std::vector<std::string>& warnings)
         : document_(document), primitive_(primitive), path_(std::move(path)), warnings_(warnings)
     {}
 
     template<int N> std::vector<glm::vec<N, float>> read(const std::string& name)
     {
-        const auto it = primitive_.attributes.find(name);
-        if (it == primitive_.attributes.end()) return {};
-        auto values = readVectors<N>(document_, it->second);
+        const int accessor = attributeOf(primitive_, name);
+        if (accessor < 0) return {};
+        auto values = readVectors<N>(document_, accessor);
         if (values) return std::move(*values);
         warnings_.push_back(path_ + ": " + name + " is left out (" + values.error().message + ")");
         return {};
@@ -51,7 +52,7 @@ public:
 
 private:
     const SourceDocument& document_;
-    const tinygltf::Primitive& primitive_;
+    const Json& primitive_;
     std::string path_;
     std::vector<std::string>& warnings_;
 };
@@ -92,8 +93,8 @@ mat2 linearPart(const TextureRef& ref)
     return mat2(vec2(c, -s) * ref.scale.x, vec2(s, c) * ref.scale.y); // columns
 }
 
-Result<std::vector<vec3>> readPositions(const SourceDocument& document, const tinygltf::Primitive& primitive,
-                                        int accessor, const std::vector<double>& weights, const std::string& path)
+Result<std::vector<vec3>> readPositions(const SourceDocument& document, const Json& primitive, int accessor,
+                                        const std::vector<double>& weights, const std::string& path)
 {
     auto positions = readVectors<3>(document, accessor);
     if (!positions) return positions;
@@ -119,13 +120,11 @@ Result<std::vector<uint32_t>> readIndices(const SourceDocument& document, int ac
     return indices;
 }
 
-std::vector<vec4> readColors(const SourceDocument& document, const tinygltf::Primitive& primitive,
-                             AttributeReader& attributes)
+std::vector<vec4> readColors(const SourceDocument& document, const Json& primitive, AttributeReader& attributes)
 {
-    const auto color = primitive.attributes.find("COLOR_0");
-    if (color == primitive.attributes.end()) return {};
-    if (document.model.accessors[std::size_t(color->second)].type != TINYGLTF_TYPE_VEC3)
-        return attributes.read<4>("COLOR_0");
+    const int accessor = attributeOf(primitive, "COLOR_0");
+    if (accessor < 0) return {};
+    if (stringOf(element(document.json, "accessors", accessor), "type") != "VEC3") return attributes.read<4>("COLOR_0");
     std::vector<vec4> colors;
     for (const vec3& c : attributes.read<3>("COLOR_0")) colors.emplace_back(c, 1.0f);
     return colors;
@@ -162,35 +161,34 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
                                          const std::vector<double>& weights, const std::vector<Material>& materials,
                                          MeshRead& read)
 {
-    const tinygltf::Mesh& mesh = document.model.meshes[std::size_t(meshIndex)];
-    const tinygltf::Primitive& primitive = mesh.primitives[std::size_t(primitiveIndex)];
+    const Json& primitive = primitiveOf(document, meshIndex, primitiveIndex);
     const std::string path = pathOf("meshes", std::size_t(meshIndex)) + "/primitives/" + std::to_string(primitiveIndex);
-    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    const int mode = integerOf(primitive, "mode", gltf::kTriangles);
     const auto warn = [&](const std::string& what) { read.warnings.push_back(path + ": " + what); };
     const auto skip = [&](const std::string& reason) {
         warn("skipped, " + reason);
         return std::optional<MeshPart>();
     };
-    if (mode < TINYGLTF_MODE_TRIANGLES)
-        return skip(mode == TINYGLTF_MODE_POINTS ? "points are not lit" : "lines are not lit");
-    const auto position = primitive.attributes.find("POSITION");
-    if (position == primitive.attributes.end()) return skip("it has no positions");
+    if (mode < gltf::kTriangles) return skip(mode == gltf::kPoints ? "points are not lit" : "lines are not lit");
+    const int position = attributeOf(primitive, "POSITION");
+    if (position < 0) return skip("it has no positions");
 
     MeshPart part;
     part.sourcePrimitive = primitiveIndex;
-    part.material = primitive.material;
-    part.side = markedSide(element(document.json, "materials", primitive.material));
-    auto positions = readPositions(document, primitive, position->second, weights, path);
+    part.material = integerOf(primitive, "material");
+    part.side = markedSide(element(document.json, "materials", part.material));
+    auto positions = readPositions(document, primitive, position, weights, path);
     if (!positions) return positions.error();
     part.positions = std::move(*positions);
     std::vector<uint32_t> indices;
-    if (primitive.indices >= 0) {
-        auto values = readIndices(document, primitive.indices, part.positions.size(), path);
+    const int indexAccessor = integerOf(primitive, "indices");
+    if (indexAccessor >= 0) {
+        auto values = readIndices(document, indexAccessor, part.positions.size(), path);
         if (!values) return values.error();
         indices = std::move(*values);
     }
-    const std::size_t listLength = primitive.indices >= 0 ? indices.size() : part.positions.size();
-    if (mode == TINYGLTF_MODE_TRIANGLES && listLength % 3 != 0) warn("the last triangle is incomplete and left out");
+    const std::size_t listLength = indexAccessor >= 0 ? indices.size() : part.positions.size();
+    if (mode == gltf::kTriangles && listLength % 3 != 0) warn("the last triangle is incomplete and left out");
     part.indices = trianglesOf(mode, indices, part.positions.size());
     if (part.indices.empty()) return skip("it has no triangle");
 
@@ -228,14 +226,14 @@ std::vector<uint32_t> trianglesOf(int mode, const std::vector<uint32_t>& indices
     const std::size_t count = indices.empty() ? vertexCount : indices.size();
     const auto at = [&](std::size_t i) { return indices.empty() ? uint32_t(i) : indices[i]; };
     std::vector<uint32_t> triangles;
-    if (mode == TINYGLTF_MODE_TRIANGLES) {
+    if (mode == gltf::kTriangles) {
         triangles.resize(count / 3 * 3);
         for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = at(i);
         return triangles;
     }
     // glTF 2.0, section 3.7.2.1: strips turn every other triangle round; fans share the first vertex.
     for (std::size_t i = 0; i + 2 < count; ++i) {
-        if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+        if (mode == gltf::kTriangleStrip) {
             triangles.insert(triangles.end(), {at(i), at(i + 1 + i % 2), at(i + 2 - i % 2)});
         } else {
             triangles.insert(triangles.end(), {at(i + 1), at(i + 2), at(0)});
@@ -248,10 +246,10 @@ Result<MeshRead> readMesh(const SourceDocument& document, int index, const std::
                           const std::vector<Material>& materials)
 {
     MeshRead read;
-    const tinygltf::Mesh& source = document.model.meshes[std::size_t(index)];
-    read.mesh.name = source.name;
+    const Json& source = element(document.json, "meshes", index);
+    read.mesh.name = stringOf(source, "name");
     read.mesh.sourceMesh = index;
-    for (std::size_t p = 0; p < source.primitives.size(); ++p) {
+    for (std::size_t p = 0; p < source["primitives"].size(); ++p) {
         auto part = readPart(document, index, int(p), weights, materials, read);
         if (!part) return part.error();
         if (*part) read.mesh.parts.push_back(std::move(**part));

@@ -7,30 +7,26 @@ namespace halflight {
 
 namespace {
 
-const tinygltf::Primitive& primitiveOf(const SourceDocument& document, const Mesh& mesh, const MeshPart& part)
-{
-    return document.model.meshes[std::size_t(mesh.sourceMesh)].primitives[std::size_t(part.sourcePrimitive)];
-}
-
 // worldFromJoint * inverseBind of each joint; inverse bind matrices that the skin leaves out are identities.
 Result<std::vector<glm::dmat4>> jointMatrices(const SourceDocument& document, int skinIndex,
                                               const std::vector<glm::dmat4>& worldFromNode)
 {
-    const tinygltf::Skin& skin = document.model.skins[std::size_t(skinIndex)];
+    const Json& skin = element(document.json, "skins", skinIndex);
     const std::string path = pathOf("skins", std::size_t(skinIndex));
     std::vector<glm::dmat4> matrices;
-    for (const int joint : skin.joints) {
-        if (joint < 0 || std::size_t(joint) >= worldFromNode.size())
-            return invalid(path, "refers to node " + std::to_string(joint) + ", which does not exist");
-        matrices.push_back(worldFromNode[std::size_t(joint)]);
+    for (const Json& joint : skin["joints"]) {
+        if (!isIndexInto(document.json, "nodes", joint))
+            return invalid(path, "refers to node " + joint.dump() + ", which does not exist");
+        matrices.push_back(worldFromNode[joint.get<std::size_t>()]);
     }
     if (matrices.empty()) return invalid(path, "has no joints");
-    if (skin.inverseBindMatrices < 0) return matrices;
-    if (std::size_t(skin.inverseBindMatrices) >= document.model.accessors.size())
+    const Json& inverseBinds = member(skin, "inverseBindMatrices");
+    if (inverseBinds.is_null()) return matrices;
+    if (!isIndexInto(document.json, "accessors", inverseBinds))
         return invalid(path, "inverseBindMatrices refers to an accessor that does not exist");
-    const auto view = viewAccessor(document, skin.inverseBindMatrices);
+    const auto view = viewAccessor(document, inverseBinds.get<int>());
     if (!view) return view.error();
-    if (view->components != 16 || view->componentType != TINYGLTF_COMPONENT_TYPE_FLOAT || view->count < matrices.size())
+    if (view->components != 16 || view->componentType != gltf::kFloat || view->count < matrices.size())
         return invalid(path, "inverseBindMatrices are not one 4x4 matrix of floats for each joint");
     for (std::size_t j = 0; j < matrices.size(); ++j) {
         glm::dmat4 inverseBind(1.0);
@@ -49,20 +45,18 @@ struct Influences {
     std::vector<AccessorView> joints;
     std::vector<AccessorView> weights;
 };
-Result<Influences> readInfluences(const SourceDocument& document, const tinygltf::Primitive& primitive,
-                                  const std::string& path)
+Result<Influences> readInfluences(const SourceDocument& document, const Json& primitive, const std::string& path)
 {
     Influences influences;
     for (int n = 0;; ++n) {
-        const auto joints = primitive.attributes.find("JOINTS_" + std::to_string(n));
-        const auto weights = primitive.attributes.find("WEIGHTS_" + std::to_string(n));
-        if (joints == primitive.attributes.end() || weights == primitive.attributes.end()) return influences;
-        auto jointView = viewAccessor(document, joints->second);
+        const int joints = attributeOf(primitive, "JOINTS_" + std::to_string(n));
+        const int weights = attributeOf(primitive, "WEIGHTS_" + std::to_string(n));
+        if (joints < 0 || weights < 0) return influences;
+        auto jointView = viewAccessor(document, joints);
         if (!jointView) return jointView.error();
-        auto weightView = viewAccessor(document, weights->second);
+        auto weightView = viewAccessor(document, weights);
         if (!weightView) return weightView.error();
-        if (jointView->components != 4 || weightView->components != 4 ||
-            jointView->componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        if (jointView->components != 4 || weightView->components != 4 || jointView->componentType == gltf::kFloat) {
             return invalid(path, "JOINTS_" + std::to_string(n) + " and WEIGHTS_" + std::to_string(n) +
                                      " are not four integers and four weights for each vertex");
         }
@@ -127,23 +121,19 @@ void turn(MeshPart& part, std::size_t v, const Frame& frame)
 
 bool isSkinned(const SourceDocument& document, int node)
 {
-    const tinygltf::Node& json = document.model.nodes[std::size_t(node)];
-    if (json.skin < 0 || json.mesh < 0) return false;
-    if (!extensionOf(document.json["nodes"][std::size_t(node)], "EXT_mesh_gpu_instancing").is_null()) return false;
-    const auto& primitives = document.model.meshes[std::size_t(json.mesh)].primitives;
-    return std::any_of(primitives.begin(), primitives.end(), [](const tinygltf::Primitive& primitive) {
-        return primitive.attributes.count("JOINTS_0") != 0 && primitive.attributes.count("WEIGHTS_0") != 0;
+    const Json& json = element(document.json, "nodes", node);
+    if (integerOf(json, "skin") < 0 || !extensionOf(json, "EXT_mesh_gpu_instancing").is_null()) return false;
+    const Json& primitives = member(element(document.json, "meshes", integerOf(json, "mesh")), "primitives");
+    return std::any_of(primitives.begin(), primitives.end(), [](const Json& primitive) {
+        return attributeOf(primitive, "JOINTS_0") >= 0 && attributeOf(primitive, "WEIGHTS_0") >= 0;
     });
 }
 
 Result<std::vector<glm::dmat4>> worldTransforms(const SourceDocument& document)
 {
-    const auto& nodes = document.model.nodes;
+    const Json& nodes = member(document.json, "nodes");
     std::vector<glm::dmat4> world(nodes.size(), glm::dmat4(1.0));
-    std::vector<int> parent(nodes.size(), -1);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-        for (const int child : nodes[i].children) parent[std::size_t(child)] = int(i);
-    }
+    const std::vector<int> parent = parentsOf(nodes);
     std::vector<int> stack;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         if (parent[i] < 0) stack.push_back(int(i));
@@ -151,10 +141,10 @@ Result<std::vector<glm::dmat4>> worldTransforms(const SourceDocument& document)
     while (!stack.empty()) {
         const auto node = std::size_t(stack.back());
         stack.pop_back();
-        const auto local = localTransform(document.json["nodes"][node], pathOf("nodes", node));
+        const auto local = localTransform(nodes[node], pathOf("nodes", node));
         if (!local) return local.error();
         world[node] = parent[node] >= 0 ? world[std::size_t(parent[node])] * *local : *local;
-        stack.insert(stack.end(), nodes[node].children.begin(), nodes[node].children.end());
+        for (const Json& child : member(nodes[node], "children")) stack.push_back(child.get<int>());
     }
     return world;
 }
@@ -163,7 +153,8 @@ Result<glm::dmat4> skinMesh(const SourceDocument& document, int node, const std:
                             Mesh& mesh, std::vector<std::string>& warnings)
 {
     const std::string path = pathOf("nodes", std::size_t(node));
-    const auto joints = jointMatrices(document, document.model.nodes[std::size_t(node)].skin, worldFromNode);
+    const auto joints =
+        jointMatrices(document, integerOf(element(document.json, "nodes", node), "skin"), worldFromNode);
     if (!joints) return joints.error();
     const bool mirrored = glm::determinant(glm::dmat3((*joints)[0])) < 0.0;
     const glm::dmat4 mirror = glm::dmat4(glm::dvec4(mirrored ? -1.0 : 1.0, 0, 0, 0), glm::dvec4(0, 1, 0, 0),
@@ -174,7 +165,7 @@ Result<glm::dmat4> skinMesh(const SourceDocument& document, int node, const std:
     std::size_t beyond = 0;
     for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
         MeshPart& part = mesh.parts[p];
-        const auto influences = readInfluences(document, primitiveOf(document, mesh, part),
+        const auto influences = readInfluences(document, primitiveOf(document, mesh.sourceMesh, part.sourcePrimitive),
                                                pathOf("meshes", std::size_t(mesh.sourceMesh)) + "/primitives/" +
                                                    std::to_string(part.sourcePrimitive));
         if (!influences) return influences.error();

@@ -2,6 +2,7 @@
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/parallel.h"
+#include "scene/document/decode/compression.h"
 
 #include <map>
 
@@ -20,8 +21,8 @@ Status decodeTextures(const SourceDocument& document, std::vector<Texture>& text
     std::map<ImagePlace, std::size_t> indexOf;
     std::vector<Encoded> images;
     for (std::size_t i = 0; i < textures.size(); ++i) {
-        const int image = document.model.textures[std::size_t(textures[i].sourceTexture)].source;
-        const auto [it, isNew] = indexOf.try_emplace(placeOf(document.model.images[std::size_t(image)]), images.size());
+        const int image = imageOf(element(document.json, "textures", textures[i].sourceTexture));
+        const auto [it, isNew] = indexOf.try_emplace(placeOf(element(document.json, "images", image)), images.size());
         if (isNew) images.emplace_back().image = image;
         images[it->second].textures.push_back(i);
     }
@@ -50,11 +51,10 @@ Status decodeTextures(const SourceDocument& document, std::vector<Texture>& text
     if (!status) return status;
     uint64_t texels = 0;
     uint64_t bytesInFiles = 0;
-    uint64_t bytesInBuffers = 0; // buffer views may overlap: no more than there is
-    for (const auto& buffer : document.model.buffers) bytesInBuffers += buffer.data.size();
+    const uint64_t bytesInBuffers = bufferBytes(document); // buffer views may overlap: no more than there is
     for (const Encoded& image : images) {
         texels += image.texels * image.textures.size();
-        if (document.model.images[std::size_t(image.image)].bufferView < 0) bytesInFiles += image.bytes.size();
+        if (!element(document.json, "images", image.image).contains("bufferView")) bytesInFiles += image.bytes.size();
     }
     if (const uint64_t most = mostTexels(bytesInFiles + bytesInBuffers); texels > most) {
         return invalid("/images", "decoded, they hold " + std::to_string(texels) +

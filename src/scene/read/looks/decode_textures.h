@@ -13,9 +13,10 @@ namespace halflight {
 
 /// Where an image's bytes are: a buffer view or a URI. Images that name the same place are one.
 using ImagePlace = std::pair<int, std::string_view>;
-inline ImagePlace placeOf(const tinygltf::Image& image)
+inline ImagePlace placeOf(const Json& image)
 {
-    return {image.bufferView, image.bufferView >= 0 ? std::string_view() : std::string_view(image.uri)};
+    const int view = integerOf(image, "bufferView");
+    return {view, view >= 0 ? std::string_view() : std::string_view(image["uri"].get_ref<const std::string&>())};
 }
 
 /// Decodes each image once, all cores at work; textures that show it with different samplers share it.

@@ -20,8 +20,7 @@ bool emits(const Scene& scene)
 
 bool isOfBlender(const SourceDocument& document)
 {
-    const Json& generator = member(member(document.json, "asset"), "generator");
-    return generator.is_string() && generator.get_ref<const std::string&>().starts_with("Khronos glTF Blender I/O");
+    return stringOf(member(document.json, "asset"), "generator").starts_with("Khronos glTF Blender I/O");
 }
 
 } // namespace
@@ -59,8 +58,7 @@ void writeScaledEmission(Json& document, const Scene& scene)
     Json& used = document["extensionsUsed"];
     if (any && std::find(used.begin(), used.end(), kStrength) == used.end()) used.push_back(kStrength);
     if (used.empty()) document.erase("extensionsUsed");
-    const Json& number = member(document, "scene");
-    Json& active = document["scenes"][number.is_number_unsigned() ? number.get<std::size_t>() : 0];
+    Json& active = document["scenes"][std::size_t(integerOf(document, "scene", 0))];
     if (!active.contains("extras") || active["extras"].is_object())
         active["extras"][kEmissionUnitKey] = nameOf(EmissionUnit::Nits);
 }

@@ -40,8 +40,7 @@ Result<std::optional<FileLight>> referredLight(const SourceDocument& document, c
     found.index = index.get<int>();
     found.json = &lights[index.get<std::size_t>()];
     found.path = "/extensions/" + std::string(extension) + "/lights/" + std::to_string(found.index);
-    const Json& name = member(*found.json, "name");
-    if (name.is_string() && !name.get<std::string>().empty()) found.light.name = name.get<std::string>();
+    if (std::string name = stringOf(*found.json, "name"); !name.empty()) found.light.name = std::move(name);
 
     const Json& color = member(*found.json, "color");
     if (!color.is_null()) {

@@ -104,8 +104,7 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
             return invalid(path + "/baking/occlusionMaskChannel", "is not -1 to " + std::to_string(kLast));
         output.occlusionMaskChannel = channel.get<int>();
     }
-    const Json& reason = member(baking, "reason");
-    if (reason.is_string()) output.reason = reason.get<std::string>();
+    output.reason = stringOf(baking, "reason");
     if (glm::dmat4 pose(1.0); readMatrix(member(baking, "worldFromLight"), pose))
         output.worldFromLight = localFromWorld(pose, origin);
     // Lights without a range have no reach unless the bake gave them one; other lights without a record are of files
@@ -207,11 +206,12 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
 std::optional<Camera> readCamera(const SourceDocument& document, const NodeState& state,
                                  std::vector<std::string>& warnings)
 {
-    const Json& json = element(document.json, "cameras", document.model.nodes[std::size_t(state.node)].camera);
+    const int index = integerOf(element(document.json, "nodes", state.node), "camera");
+    const Json& json = element(document.json, "cameras", index);
     if (json.is_null()) return std::nullopt;
     Camera camera;
-    const Json& name = member(json, "name");
-    camera.name = name.is_string() && !name.get<std::string>().empty() ? name.get<std::string>() : state.name;
+    camera.name = stringOf(json, "name");
+    if (camera.name.empty()) camera.name = state.name;
     camera.worldFromCamera = rigidPose(mat4(state.worldFromNode));
     const bool perspective = member(json, "type") != "orthographic";
     const Json& lens = member(json, perspective ? "perspective" : "orthographic");
@@ -237,8 +237,8 @@ std::optional<Camera> readCamera(const SourceDocument& document, const NodeState
     if (wrong == nullptr && !(camera.farMeters > camera.nearMeters && (perspective || positive(camera.farMeters))))
         wrong = "zfar is not beyond znear";
     if (wrong != nullptr) {
-        warnings.push_back(pathOf("cameras", std::size_t(document.model.nodes[std::size_t(state.node)].camera)) +
-                           ": camera " + camera.name + " is left out: " + wrong);
+        warnings.push_back(pathOf("cameras", std::size_t(index)) + ": camera " + camera.name +
+                           " is left out: " + wrong);
         return std::nullopt;
     }
     return camera;

@@ -50,24 +50,23 @@ private:
 
 Texture::Wrap wrapOf(int mode)
 {
-    return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Texture::Wrap::ClampToEdge
-           : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Texture::Wrap::MirroredRepeat
-                                                           : Texture::Wrap::Repeat;
+    return mode == gltf::kClampToEdge      ? Texture::Wrap::ClampToEdge
+           : mode == gltf::kMirroredRepeat ? Texture::Wrap::MirroredRepeat
+                                           : Texture::Wrap::Repeat;
 }
 
 // The texture without its pixels: name and sampler.
-Texture textureOf(const SourceDocument& document, std::size_t index)
+Texture textureOf(const SourceDocument& document, int index)
 {
-    const auto& source = document.model.textures[index];
+    const Json& source = element(document.json, "textures", index);
+    const Json& sampler = element(document.json, "samplers", integerOf(source, "sampler"));
     Texture texture;
-    texture.name = !source.name.empty() ? source.name : document.model.images[std::size_t(source.source)].name;
-    texture.sourceTexture = int(index);
-    if (source.sampler >= 0) {
-        const auto& sampler = document.model.samplers[std::size_t(source.sampler)];
-        texture.wrapU = wrapOf(sampler.wrapS);
-        texture.wrapV = wrapOf(sampler.wrapT);
-        texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
-    }
+    texture.name = stringOf(source, "name");
+    if (texture.name.empty()) texture.name = stringOf(element(document.json, "images", imageOf(source)), "name");
+    texture.sourceTexture = index;
+    texture.wrapU = wrapOf(integerOf(sampler, "wrapS"));
+    texture.wrapV = wrapOf(integerOf(sampler, "wrapT"));
+    texture.nearest = integerOf(sampler, "magFilter") == gltf::kNearest;
     return texture;
 }
 
@@ -81,15 +80,15 @@ public:
     {
         if (slot.is_null()) return {};
         const Json& index = member(slot, "index");
-        const Json& textures = member(document_.json, "textures");
-        if (!index.is_number_unsigned() || index.get<uint64_t>() >= textures.size()) {
+        if (!isIndexInto(document_.json, "textures", index))
             return invalid(path, "refers to a texture that does not exist");
-        }
-        const auto source = index.get<std::size_t>();
-        if (document_.model.textures[source].source < 0) {
+        const auto source = index.get<int>();
+        const Json& json = element(document_.json, "textures", source);
+        const Json& image = element(document_.json, "images", imageOf(json));
+        if (image.is_null()) {
             std::string hint;
             for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif"}) {
-                if (!extensionOf(textures[source], name).is_null()) hint = conversionHint(name);
+                if (!extensionOf(json, name).is_null()) hint = conversionHint(name);
             }
             warnings.push_back(path + ": texture " + std::to_string(source) +
                                " has no image this program reads; left out" + hint);
@@ -110,7 +109,6 @@ public:
         }
         ref.texCoord = int(std::min(texCoord, uint64_t(std::numeric_limits<int>::max()))); // keepTwoSets() has limits
         Texture texture = textureOf(document_, source);
-        const auto& image = document_.model.images[std::size_t(document_.model.textures[source].source)];
         const auto key = std::make_tuple(placeOf(image), texture.wrapU, texture.wrapV, texture.nearest);
         const auto [it, isNew] = indexOf_.try_emplace(key, int(used_.size()));
         if (isNew) used_.push_back(std::move(texture));
@@ -213,8 +211,7 @@ void keepTwoSets(const std::string& path, Material& material, std::vector<std::s
 Status readMaterial(const Json& json, const std::string& path, TextureTable& textures, Material& material,
                     std::vector<std::string>& warnings)
 {
-    const Json& name = member(json, "name");
-    if (name.is_string()) material.name = name.get<std::string>();
+    material.name = stringOf(json, "name");
     const Json& pbr = member(json, "pbrMetallicRoughness");
     const std::string pbrPath = path + "/pbrMetallicRoughness";
     const Fields pbrFields(pbr, pbrPath);

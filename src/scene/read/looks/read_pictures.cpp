@@ -14,10 +14,10 @@ Result<std::vector<std::byte>> pictureBytes(const SourceDocument& document, cons
                                             const std::string& path)
 {
     const Json& texture = member(reference, "index");
-    if (!texture.is_number_unsigned() || texture.get<uint64_t>() >= document.model.textures.size())
+    if (!isIndexInto(document.json, "textures", texture))
         return invalid(path, "refers to a texture that does not exist");
     const int image = pictureImage(document.json, texture.get<int>());
-    if (image < 0 || std::size_t(image) >= document.model.images.size())
+    if (image < 0 || std::size_t(image) >= member(document.json, "images").size())
         return invalid(path, "refers to a texture without an image");
     auto bytes = imageBytes(document, image);
     if (!bytes) return Error{bytes.error().code, bytes.error().message, path};
@@ -29,12 +29,7 @@ namespace {
 // Texels of all pages together; buffer views may overlap.
 class PageTexels {
 public:
-    explicit PageTexels(const SourceDocument& document)
-    {
-        uint64_t bytes = 0;
-        for (const auto& buffer : document.model.buffers) bytes += buffer.data.size();
-        left_ = mostTexels(bytes);
-    }
+    explicit PageTexels(const SourceDocument& document) : left_(mostTexels(bufferBytes(document))) {}
     Status take(uint64_t texels, const std::string& path)
     {
         if (texels > left_) return invalid(path, "pages have more texels in all than a file of this size may ask for");
@@ -43,7 +38,7 @@ public:
     }
 
 private:
-    uint64_t left_ = 0;
+    uint64_t left_;
 };
 
 // Images of which there are as many as lightmap pages, or none. Where there are several mask layers, each page has one

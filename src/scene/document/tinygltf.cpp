@@ -1,2 +1,0 @@
-#define TINYGLTF_IMPLEMENTATION
-#include "scene/document/tinygltf.h"
