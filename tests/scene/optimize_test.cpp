@@ -175,6 +175,22 @@ TEST_F(Optimize, PlainFilesToo)
     ASSERT_TRUE(read) << read.error().text();
 }
 
+// The filter for unit vectors takes three or four numbers of each. Normals of one were read beyond their end.
+TEST_F(Optimize, NormalsThatAreNoVectors)
+{
+    GltfBuilder file;
+    file.triangle();
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = file.floats({1, 2, 3}, "SCALAR", 1);
+    const auto path = file.write(folder);
+    OptimizeReport report;
+    ASSERT_TRUE(optimizeFile(path, folder / "small.glb", {}, report));
+    const Json json = jsonOfGlb(folder / "small.glb");
+    const Json& normals = json["accessors"][json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"].get<int>()];
+    EXPECT_EQ(normals["componentType"], 5126);
+    EXPECT_EQ(json["bufferViews"][normals["bufferView"].get<int>()]["extensions"]["EXT_meshopt_compression"]["filter"],
+              "EXPONENTIAL");
+}
+
 TEST_F(Optimize, RefusesVersion1)
 {
     OptimizeReport report;

@@ -200,7 +200,8 @@ private:
                 isFraction = isFraction && values.back() >= 0.0f && values.back() <= 1.0f;
             }
         }
-        if (kind == Kind::Unit) return unitVectors(values, view.components, json);
+        if (kind == Kind::Unit && (view.components == 3 || view.components == 4))
+            return unitVectors(values, view.components, json);
         if (kind == Kind::Coordinates && isFraction) return fractions<uint16_t>(values, gltf::kUnsignedShort, json);
         if (kind == Kind::Color && isFraction && view.components == 4)
             return fractions<uint8_t>(values, gltf::kUnsignedByte, json);
