@@ -191,6 +191,25 @@ TEST_F(Optimize, NormalsThatAreNoVectors)
               "EXPONENTIAL");
 }
 
+// Two indices are no triangle: of its vertices none is left to be compressed.
+TEST_F(Optimize, PrimitivesWithoutATriangleStay)
+{
+    GltfBuilder file;
+    file.triangle();
+    file.json["meshes"][0]["primitives"].push_back(file.json["meshes"][0]["primitives"][0]);
+    Json& line = file.json["meshes"][0]["primitives"][1];
+    line = {{"attributes", {{"POSITION", file.floats({0, 0, 0, 1, 0, 0}, "VEC3", 3)}}},
+            {"indices", file.accessor<uint16_t>({0, 1}, 5123, "SCALAR", 1)}};
+    const auto path = file.write(folder);
+    OptimizeReport report;
+    ASSERT_TRUE(optimizeFile(path, folder / "small.glb", {}, report));
+    EXPECT_TRUE(readScene(folder / "small.glb"));
+    const Json json = jsonOfGlb(folder / "small.glb");
+    const Json& stays = json["meshes"][0]["primitives"][1];
+    EXPECT_EQ(json["accessors"][stays["attributes"]["POSITION"].get<std::size_t>()]["count"], 2);
+    EXPECT_EQ(json["accessors"][stays["indices"].get<std::size_t>()]["count"], 2);
+}
+
 TEST_F(Optimize, RefusesVersion1)
 {
     OptimizeReport report;

@@ -2,6 +2,8 @@
 
 #include "scene/document/uri.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cstring>
 
 namespace halflight {

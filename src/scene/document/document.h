@@ -43,7 +43,7 @@ bool isIndexInto(const Json& document, const char* array, const Json& index);
 
 /// An index or another integer from 0 to 2^31 - 1; `absent` where there is none.
 int integerOf(const Json& object, const char* key, int absent = -1);
-/// A number of bytes; 0 where there is none.
+/// A number of bytes or elements; 0 where there is none.
 std::size_t bytesIn(const Json& object, const char* key);
 /// A name or the like; empty where there is none.
 std::string stringOf(const Json& object, const char* key);

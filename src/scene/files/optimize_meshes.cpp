@@ -87,8 +87,10 @@ private:
             }
             if (std::any_of(indices.begin(), indices.end(), [&](uint32_t i) { return i >= vertexCount; }))
                 return invalid("/meshes", "an index is beyond its vertices");
-            order = orderForMeshopt(trianglesOf(gltf::kTriangles, indices, vertexCount), vertexCount, isOwn);
-            if (!order.indices.empty()) json["indices"] = indexAccessor(order);
+            const std::vector<uint32_t> triangles = trianglesOf(gltf::kTriangles, indices, vertexCount);
+            if (triangles.empty()) return {}; // nothing that shows, here too
+            order = orderForMeshopt(triangles, vertexCount, isOwn);
+            json["indices"] = indexAccessor(order);
         }
         const std::size_t id = isOwn ? nextOrder_++ : 0;
         for (auto& [semantic, accessor] : json["attributes"].items()) {

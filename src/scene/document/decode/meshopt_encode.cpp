@@ -71,7 +71,9 @@ std::vector<ViewUse> usesOfViews(Json& json)
             ViewUse& use = uses[view.get<std::size_t>()];
             use.isIndices = true;
             const Json& mode = member(primitive, "mode");
-            use.isOther = use.isOther || !(mode.is_null() || mode == gltf::kTriangles);
+            const bool isTriangles = mode.is_null() || mode == gltf::kTriangles;
+            const std::size_t count = bytesIn(accessors[indices.get<std::size_t>()], "count");
+            use.isOther = use.isOther || !isTriangles || count % 3 != 0; // meshopt knows whole triangles alone
         }
     }
     return uses;
