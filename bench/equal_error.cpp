@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace halflight::bench {
@@ -73,101 +74,149 @@ private:
     double lastError_ = 0.0;
 };
 
+constexpr int kPathSamples = 64;
+
+/// As medium quality has them, and more where so many samples are taken that shadows would be rougher than the rest.
+int shadowSamplesFor(int samples)
+{
+    return std::max(32, samples / 2);
+}
+
+/// One scene: its reference, the path tracer's time to the target and that of the cache.
+class EqualError {
+public:
+    EqualError(const Options& options, std::string name)
+        : options_(options), name_(std::move(name)), prepared_(prepare(name_, options.size, true)),
+          subset_(subsetOf(prepared_.map, options.points, chosen_)),
+          reference_(referenceOf(options, name_, prepared_, subset_))
+    {}
+
+    void measurePaths()
+    {
+        pathMean_ = tracedPaths(kPathSamples);
+        referenceNoise_ = pathMean_.error().rmse * std::sqrt(kPathSamples / double(options_.reference + kPathSamples));
+        const LightError error = errorOf(pathMean_);
+        TimeToTarget target(options_.target);
+        target.add(pathMean_.cpu(), error.rmse);
+        for (int samples = 2 * kPathSamples; !target.reached() && samples <= options_.reference / 4; samples *= 2) {
+            const MeanError mean = tracedPaths(samples);
+            target.add(mean.cpu(), errorOf(mean).rmse);
+        }
+        pathTimes_ = target.time() / pathMean_.cpu();
+        const std::size_t texels = prepared_.map.texels.size();
+        std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name_.c_str(), texels,
+                    trianglesOf(prepared_), options_.reference, subset_.texels.size());
+        std::printf("  %-8s %8s %10s %10s %9s %9s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias",
+                    "denoised s", "RMSE", "bias");
+        std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", kPathSamples,
+                    pathMean_.cpu(), pathMean_.rays() * 1.0e-6, 100.0 * error.rmse, 100.0 * error.bias,
+                    subset_.texels.size());
+    }
+
+    /// With the step between traced texels that is the default for the map, and with the other one.
+    void measureCache()
+    {
+        const int defaultStep = texelStepOf(IntegrationSettings(), prepared_.map);
+        measureCache("cache", 0);
+        if (options_.samples > 0) return;
+        const int otherStep = defaultStep == 1 ? 2 : 1;
+        measureCache("step " + std::to_string(otherStep), otherStep);
+    }
+
+private:
+    void tracePaths(int samples, int seed, MeanError& mean) const
+    {
+        IntegrationSettings paths = options_.integration();
+        paths.integrator = IntegratorKind::Path;
+        paths.seed = uint32_t(seed);
+        paths.samples = samples;
+        paths.shadowSamples = shadowSamplesFor(samples);
+        const Run run = integrate(prepared_, subset_, paths);
+        const double scale = double(prepared_.map.texels.size()) / double(subset_.texels.size());
+        mean.add(run.cpu * scale, double(run.rays) * scale, compare(run.estimates, nullptr, reference_));
+    }
+
+    [[nodiscard]] MeanError tracedPaths(int samples) const
+    {
+        MeanError mean;
+        for (int seed = 1; seed <= options_.seeds; ++seed) tracePaths(samples, seed, mean);
+        return mean;
+    }
+
+    /// Without the noise of the reference.
+    [[nodiscard]] LightError errorOf(const MeanError& mean) const
+    {
+        LightError e = mean.error();
+        e.rmse = std::sqrt(std::max(e.rmse * e.rmse - referenceNoise_ * referenceNoise_, 1.0e-12));
+        return e;
+    }
+
+    void measureCache(const std::string& label, int texelStep)
+    {
+        TimeToTarget raw(options_.target);
+        TimeToTarget denoised(options_.target);
+        const int first = options_.samples > 0 ? options_.samples : 2;
+        const int last = options_.samples > 0 ? options_.samples : 512;
+        for (int samples = first; samples <= last && !(raw.reached() && denoised.reached());
+             samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
+            MeanError rawMean;
+            MeanError denoisedMean;
+            bakeWithCache(samples, texelStep, rawMean, denoisedMean);
+            const LightError before = errorOf(rawMean);
+            const LightError after = errorOf(denoisedMean);
+            std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label.c_str(), samples,
+                        rawMean.cpu(), rawMean.rays() * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias,
+                        denoisedMean.cpu(), 100.0 * after.rmse, 100.0 * after.bias);
+            std::fflush(stdout);
+            raw.add(rawMean.cpu(), before.rmse);
+            denoised.add(denoisedMean.cpu(), after.rmse);
+        }
+        raw.print(label, pathMean_.cpu() * pathTimes_);
+        denoised.print(label + " denoised", pathMean_.cpu() * pathTimes_);
+    }
+
+    /// Each seed once. Paths are traced beside it, for the speed of the machine now.
+    void bakeWithCache(int samples, int texelStep, MeanError& raw, MeanError& denoised)
+    {
+        IntegrationSettings settings = options_.integration();
+        settings.integrator = IntegratorKind::Cache;
+        settings.cache.texelStep = texelStep;
+        settings.samples = samples;
+        settings.shadowSamples = shadowSamplesFor(samples);
+        for (int seed = 1; seed <= options_.seeds; ++seed) {
+            settings.seed = uint32_t(seed);
+            Run run = integrate(prepared_, prepared_.map, settings);
+            raw.add(run.cpu, double(run.rays), compare(run.estimates, &chosen_, reference_));
+            const double start = cpuSeconds();
+            denoise(prepared_.geometry, prepared_.map, {}, run.estimates, false);
+            const double cpu = run.cpu + cpuSeconds() - start;
+            denoised.add(cpu, double(run.rays), compare(run.estimates, &chosen_, reference_));
+            tracePaths(kPathSamples, seed, pathMean_);
+        }
+    }
+
+    const Options& options_;
+    std::string name_;
+    Prepared prepared_;
+    std::vector<uint32_t> chosen_; ///< texels of the map that the subset has
+    TexelMap subset_;
+    std::vector<IrradianceEstimate> reference_;
+    MeanError pathMean_;          ///< of kPathSamples
+    double referenceNoise_ = 0.0; ///< relative RMSE
+    double pathTimes_ = 0.0;      ///< time to the target in times of pathMean_'s, which is measured again and again
+};
+
 } // namespace
 
 void partError(const Options& options)
 {
-    constexpr int kPathSamples = 64;
-    // As medium quality has them, and more where so many samples are taken that shadows would be rougher than the rest.
-    const auto shadowSamplesFor = [](int samples) { return std::max(32, samples / 2); };
     std::printf("relative RMSE: of luminance over all valid texels, divided by their mean\n");
     std::printf("time to %.1f %%: from the measured points, error falling with the root of the samples\n\n",
                 100.0 * options.target);
     for (const std::string& name : options.scenes) {
-        Prepared p = prepare(name, options.size, true);
-        std::vector<uint32_t> chosen;
-        const TexelMap subset = subsetOf(p.map, options.points, chosen);
-        const std::vector<IrradianceEstimate> reference = referenceOf(options, name, p, subset);
-        IntegrationSettings settings = options.integration();
-        const double scale = double(p.map.texels.size()) / double(subset.texels.size());
-        const auto tracePaths = [&](int samples, int seed, MeanError& mean) {
-            IntegrationSettings paths = settings;
-            paths.integrator = IntegratorKind::Path;
-            paths.seed = uint32_t(seed);
-            paths.samples = samples;
-            paths.shadowSamples = shadowSamplesFor(samples);
-            const Run run = integrate(p, subset, paths);
-            mean.add(run.cpu * scale, double(run.rays) * scale, compare(run.estimates, nullptr, reference));
-        };
-        const auto tracedPaths = [&](int samples) {
-            MeanError mean;
-            for (int seed = 1; seed <= options.seeds; ++seed) tracePaths(samples, seed, mean);
-            return mean;
-        };
-        MeanError pathMean = tracedPaths(kPathSamples);
-        // The reference has noise of its own.
-        const double noise = pathMean.error().rmse * std::sqrt(kPathSamples / double(options.reference + kPathSamples));
-        const auto errorOf = [&](const MeanError& mean) {
-            LightError e = mean.error();
-            e.rmse = std::sqrt(std::max(e.rmse * e.rmse - noise * noise, 1.0e-12));
-            return e;
-        };
-        const LightError pathError = errorOf(pathMean);
-        // In times of what few samples take, which is measured again and again.
-        TimeToTarget pathTarget(options.target);
-        pathTarget.add(pathMean.cpu(), pathError.rmse);
-        for (int samples = 2 * kPathSamples; !pathTarget.reached() && samples <= options.reference / 4; samples *= 2) {
-            const MeanError mean = tracedPaths(samples);
-            pathTarget.add(mean.cpu(), errorOf(mean).rmse);
-        }
-        const double pathTimes = pathTarget.time() / pathMean.cpu();
-        const auto pathTime = [&] { return pathMean.cpu() * pathTimes; };
-        std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name.c_str(),
-                    p.map.texels.size(), trianglesOf(p), options.reference, subset.texels.size());
-        std::printf("  %-8s %8s %10s %10s %9s %9s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias",
-                    "denoised s", "RMSE", "bias");
-        std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", kPathSamples,
-                    pathMean.cpu(), pathMean.rays() * 1.0e-6, 100.0 * pathError.rmse, 100.0 * pathError.bias,
-                    subset.texels.size());
-        settings.integrator = IntegratorKind::Cache;
-        // With the step between traced texels that is the default for the map, and with the other one.
-        for (const int step : {0, texelStepOf(IntegrationSettings(), p.map) == 1 ? 2 : 1}) {
-            if (step > 0 && options.samples > 0) break;
-            settings.cache.texelStep = step;
-            const std::string label = step == 0 ? "cache" : "step " + std::to_string(step);
-            TimeToTarget raw(options.target);
-            TimeToTarget denoised(options.target);
-            const int first = options.samples > 0 ? options.samples : 2;
-            const int last = options.samples > 0 ? options.samples : 512;
-            for (int samples = first; samples <= last && !(raw.reached() && denoised.reached());
-                 samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
-                settings.samples = samples;
-                settings.shadowSamples = shadowSamplesFor(samples);
-                MeanError rawMean;
-                MeanError denoisedMean;
-                for (int seed = 1; seed <= options.seeds; ++seed) {
-                    settings.seed = uint32_t(seed);
-                    Run run = integrate(p, p.map, settings);
-                    rawMean.add(run.cpu, double(run.rays), compare(run.estimates, &chosen, reference));
-                    const double start = cpuSeconds();
-                    denoise(p.geometry, p.map, {}, run.estimates, false);
-                    const double cpu = run.cpu + cpuSeconds() - start;
-                    denoisedMean.add(cpu, double(run.rays), compare(run.estimates, &chosen, reference));
-                    // Beside it, for the speed of the machine now.
-                    tracePaths(kPathSamples, seed, pathMean);
-                }
-                const LightError before = errorOf(rawMean);
-                const LightError after = errorOf(denoisedMean);
-                std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label.c_str(), samples,
-                            rawMean.cpu(), rawMean.rays() * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias,
-                            denoisedMean.cpu(), 100.0 * after.rmse, 100.0 * after.bias);
-                std::fflush(stdout);
-                raw.add(rawMean.cpu(), before.rmse);
-                denoised.add(denoisedMean.cpu(), after.rmse);
-            }
-            raw.print(label, pathTime());
-            denoised.print(label + " denoised", pathTime());
-        }
+        EqualError scene(options, name);
+        scene.measurePaths();
+        scene.measureCache();
         std::printf("\n");
     }
 }

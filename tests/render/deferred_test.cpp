@@ -12,15 +12,9 @@ namespace {
 
 constexpr ivec2 kSize{320, 180};
 
-/// One of each: materials with textures and without, light types, static and dynamic receivers, holes, emission.
-BakedScene gallery(MixedLightingMode mode)
+/// Bumps, metal and holes.
+std::vector<Texture> galleryTextures()
 {
-    BakedScene baked;
-    baked.isBaked = true;
-    baked.mode = mode;
-    Scene& scene = baked.scene;
-    scene.sky = {vec3(0.4f, 0.5f, 0.8f), vec3(0.6f), vec3(0.1f)};
-
     Texture bumps;
     bumps.pixels = ImageRgba8(32, 32);
     Texture metal;
@@ -34,8 +28,19 @@ BakedScene gallery(MixedLightingMode mode)
             metal.pixels.edit()(x, y) = u8vec4(255, 40 + 6 * x, 8 * y, 255);
             holes.pixels.edit()(x / 2, y / 2) = u8vec4(200, 180, 60, (x / 8 + y / 8) % 2 == 0 ? 255 : 0);
         }
-    scene.textures = {bumps, metal, holes};
+    return {bumps, metal, holes};
+}
 
+struct GalleryMaterials {
+    int plaster = 0;
+    int bumpy = 0;
+    int leaf = 0;
+    int lamp = 0;
+    int sign = 0;
+};
+
+GalleryMaterials addGalleryMaterials(Scene& scene)
+{
     const int plaster = addMaterial(scene, vec4(0.07f, 0.3f, 0.55f, 1.0f)); // not a multiple of 1 / 255
     const int bumpy = addMaterial(scene, vec4(0.9f, 0.6f, 0.03f, 1.0f));
     scene.materials[std::size_t(bumpy)].normalTexture.texture = 0;
@@ -50,21 +55,28 @@ BakedScene gallery(MixedLightingMode mode)
     scene.materials[std::size_t(lamp)].emissiveNits = vec3(0.3f, 0.05f, 0.01f);
     const int sign = addMaterial(scene, vec4(0.15f, 0.8f, 0.4f, 1.0f));
     scene.materials[std::size_t(sign)].unlit = true;
+    return {plaster, bumpy, leaf, lamp, sign};
+}
 
+void addGalleryObjects(Scene& scene, const GalleryMaterials& kinds)
+{
     const auto at = [](vec3 p) { return glm::translate(mat4(1.0f), p); };
     const mat4 upright = glm::rotate(mat4(1.0f), kPi / 2.0f, vec3(1, 0, 0));
-    addObject(scene, makeRectangle(14, 14, plaster), at(vec3(0, 0, -3)), true);
-    addObject(scene, makeRectangle(14, 5, bumpy), at(vec3(0, 2.5f, -6)) * upright, true);
+    addObject(scene, makeRectangle(14, 14, kinds.plaster), at(vec3(0, 0, -3)), true);
+    addObject(scene, makeRectangle(14, 5, kinds.bumpy), at(vec3(0, 2.5f, -6)) * upright, true);
     scene.objects[0].lightmap = {0, vec2(0.5f), vec2(0.0f)};
     scene.objects[1].lightmap = {0, vec2(0.5f), vec2(0.5f)};
-    addObject(scene, makeRectangle(2, 2, leaf), at(vec3(-2, 1.2f, -2)) * upright, false);
-    addObject(scene, makeRectangle(2, 2, bumpy), at(vec3(1.5f, 0.8f, -2)), false);
-    addObject(scene, makeRectangle(1, 1, lamp), at(vec3(3, 1, -2)) * upright, false);
-    addObject(scene, makeRectangle(1, 1, sign), at(vec3(-4, 1, -3)) * upright, false);
+    addObject(scene, makeRectangle(2, 2, kinds.leaf), at(vec3(-2, 1.2f, -2)) * upright, false);
+    addObject(scene, makeRectangle(2, 2, kinds.bumpy), at(vec3(1.5f, 0.8f, -2)), false);
+    addObject(scene, makeRectangle(1, 1, kinds.lamp), at(vec3(3, 1, -2)) * upright, false);
+    addObject(scene, makeRectangle(1, 1, kinds.sign), at(vec3(-4, 1, -3)) * upright, false);
     scene.objects.back().receiveShadows = false;
-    addObject(scene, makeRectangle(1, 1, plaster), at(vec3(0, 0.5f, 0)), false);
+    addObject(scene, makeRectangle(1, 1, kinds.plaster), at(vec3(0, 0.5f, 0)), false);
     scene.objects.back().receiveShadows = false;
+}
 
+std::vector<Light> galleryLights(MixedLightingMode mode)
+{
     const bool masked = mode == MixedLightingMode::Shadowmask;
     Light sun = directionalLight(vec3(0.5f, 1, 0.4f), 3.0f);
     bakeAsMixed(sun, mode, mode == MixedLightingMode::BakedIndirect ? -1 : 0);
@@ -84,8 +96,11 @@ BakedScene gallery(MixedLightingMode mode)
     torch.baking = {};
     torch.mode = LightMode::Realtime;
     torch.worldFromLight = lightPose(vec3(4, 3, 2), vec3(-0.6f, -1, -0.8f));
-    scene.lights = {sun, spot, point, torch};
+    return {sun, spot, point, torch};
+}
 
+void addGalleryPages(BakedScene& baked)
+{
     constexpr int kPage = 64;
     Image<uint32_t> lightmap(kPage, kPage);
     ImageRgba8 mask(kPage, kPage);
@@ -95,7 +110,21 @@ BakedScene gallery(MixedLightingMode mode)
             mask(x, y) = u8vec4(x / 4 % 2 == 0 ? 255 : 30, y / 4 % 3 == 0 ? 255 : 60, 4 * x, 255);
         }
     baked.lightmaps = {lightmap};
-    if (mode != MixedLightingMode::BakedIndirect) baked.shadowmasks = {mask};
+    if (baked.mode != MixedLightingMode::BakedIndirect) baked.shadowmasks = {mask};
+}
+
+/// One of each: materials with textures and without, light types, static and dynamic receivers, holes, emission.
+BakedScene gallery(MixedLightingMode mode)
+{
+    BakedScene baked;
+    baked.isBaked = true;
+    baked.mode = mode;
+    Scene& scene = baked.scene;
+    scene.sky = {vec3(0.4f, 0.5f, 0.8f), vec3(0.6f), vec3(0.1f)};
+    scene.textures = galleryTextures();
+    addGalleryObjects(scene, addGalleryMaterials(scene));
+    scene.lights = galleryLights(mode);
+    addGalleryPages(baked);
     Probe probe;
     probe.radiance = {vec3(0.9f, 1.0f, 1.2f), vec3(0.2f), vec3(0.1f), vec3(-0.1f, 0.0f, 0.1f)};
     probe.occlusion.layers[0] = vec4(0.37f, 0.81f, 0.55f, 1.0f);

@@ -212,54 +212,60 @@ inline void expectSameTexels(const Scene& a, const Object& x, const Scene& b, co
     EXPECT_LT(farthest, 1.0e-6f) << x.name;
 }
 
-/// What a bake would do to a scene, with made-up values: vertices split wherever a hash says so, lightmap coordinates,
-/// bindings, lightmaps, masks, probes, and a light of each baking output.
-inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
+inline float pretended(std::size_t i, uint32_t salt)
 {
-    BakedScene baked;
-    baked.isBaked = true;
-    baked.mode = MixedLightingMode::Shadowmask;
-    const auto random = [](std::size_t i, uint32_t salt) { return unitFloat(hashCombine(uint32_t(i), salt)); };
+    return unitFloat(hashCombine(uint32_t(i), salt));
+}
+
+/// One corner of every triangle gets a vertex of its own.
+inline void splitVerticesOf(MeshPart& part)
+{
+    std::vector<uint32_t> kept(part.positions.size());
+    for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = uint32_t(i);
+    for (std::size_t c = 0; c < part.indices.size(); c += 3) {
+        kept.push_back(part.indices[c]);
+        part.indices[c] = uint32_t(kept.size() - 1);
+    }
+    const auto select = [&](auto& values) {
+        if (values.empty()) return;
+        auto old = values;
+        values.resize(kept.size());
+        for (std::size_t i = 0; i < kept.size(); ++i) values[i] = old[kept[i]];
+    };
+    if (part.sourceVertex.empty()) {
+        part.sourceVertex = kept;
+    } else {
+        select(part.sourceVertex);
+    }
+    select(part.positions);
+    select(part.normals);
+    select(part.tangents);
+    select(part.uv[0]);
+    select(part.uv[1]);
+    select(part.colors);
+}
+
+inline void pretendLightmapped(Scene& scene, bool splitVertices)
+{
     for (Mesh& mesh : scene.meshes) {
         for (MeshPart& part : mesh.parts) {
-            if (splitVertices) {
-                std::vector<uint32_t> kept(part.positions.size());
-                for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = uint32_t(i);
-                for (std::size_t c = 0; c < part.indices.size(); c += 3) {
-                    kept.push_back(part.indices[c]); // one corner of every triangle gets a vertex of its own
-                    part.indices[c] = uint32_t(kept.size() - 1);
-                }
-                const auto select = [&](auto& values) {
-                    if (values.empty()) return;
-                    auto old = values;
-                    values.resize(kept.size());
-                    for (std::size_t i = 0; i < kept.size(); ++i) values[i] = old[kept[i]];
-                };
-                if (part.sourceVertex.empty()) {
-                    part.sourceVertex = kept;
-                } else {
-                    select(part.sourceVertex);
-                }
-                select(part.positions);
-                select(part.normals);
-                select(part.tangents);
-                select(part.uv[0]);
-                select(part.uv[1]);
-                select(part.colors);
-            }
+            if (splitVertices) splitVerticesOf(part);
             part.lightmapUv.resize(part.positions.size());
-            for (std::size_t i = 0; i < part.lightmapUv.size(); ++i) part.lightmapUv[i] = {random(i, 1), random(i, 2)};
+            for (std::size_t i = 0; i < part.lightmapUv.size(); ++i)
+                part.lightmapUv[i] = {pretended(i, 1), pretended(i, 2)};
         }
     }
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         Object& object = scene.objects[i];
         if (!object.isStatic) continue;
         object.lightmap.page = int(i % 2);
-        object.lightmap.scale = {0.1f + 0.3f * random(i, 3), 0.25f};
-        object.lightmap.offset = {0.5f * random(i, 4), 0.5f * random(i, 5)};
+        object.lightmap.scale = {0.1f + 0.3f * pretended(i, 3), 0.25f};
+        object.lightmap.offset = {0.5f * pretended(i, 4), 0.5f * pretended(i, 5)};
     }
-    baked.lightmapUnitLux = 4.0f;
-    baked.defaultShadowColor = {0.5f, 0.25f, 0.125f};
+}
+
+inline void pretendPages(BakedScene& baked)
+{
     baked.maskChannels[2] = {4.0f, 0.75f};
     for (int page = 0; page < 2; ++page) {
         Image<uint32_t> lightmap(33, 17);
@@ -275,6 +281,10 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
         baked.lightmapDirections.push_back(std::move(directions));
         baked.shadowmasks.push_back(std::move(mask));
     }
+}
+
+inline void pretendLights(Scene& scene)
+{
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         Light& light = scene.lights[i];
         light.shadowStrength = 0.1f + 0.05f * float(i);
@@ -288,6 +298,10 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
         light.baking.reason = i == 4 ? "more than four overlap" : "";
         light.baking.worldFromLight = light.worldFromLight;
     }
+}
+
+inline void pretendProbes(BakedScene& baked)
+{
     baked.probes.origin = {0.1f, 0.2f, 0.3f};
     baked.probes.spacingMeters = {1.1f, 2.2f, 3.3f};
     baked.probes.size = {3, 2, 2};
@@ -296,23 +310,43 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
         probe.position =
             baked.probes.origin + baked.probes.spacingMeters * vec3(float(i % 3), float(i / 3 % 2), float(i / 6));
         for (std::size_t k = 0; k < 9; ++k)
-            probe.radiance[k] = vec3(random(i, uint32_t(20 + k)) - 0.5f, 0.1f, random(k, uint32_t(i)));
-        probe.occlusion.layers[0] = {random(i, 9), 1.0f, 0.0f, random(i, 10)};
+            probe.radiance[k] = vec3(pretended(i, uint32_t(20 + k)) - 0.5f, 0.1f, pretended(k, uint32_t(i)));
+        probe.occlusion.layers[0] = {pretended(i, 9), 1.0f, 0.0f, pretended(i, 10)};
         probe.valid = i != 5;
         baked.probes.probes.push_back(probe);
     }
+}
+
+inline void pretendReflections(BakedScene& baked)
+{
     baked.reflections.size = 32;
     baked.reflections.unitNits = 8.0f;
     baked.reflections.picture = Image<uint32_t>(32, 2 * 48);
     for (std::size_t i = 0; i < baked.reflections.picture.texelCount(); ++i)
         baked.reflections.picture.texels()[i] = hashCombine(uint32_t(i), 77u);
     for (std::size_t i = 0; i < 2; ++i) {
-        ReflectionProbe probe{vec3(random(i, 30), 1.5f, random(i, 31)), mat4(1.0f), 0.125f + float(i)};
+        ReflectionProbe probe{vec3(pretended(i, 30), 1.5f, pretended(i, 31)), mat4(1.0f), 0.125f + float(i)};
         probe.worldFromBox[0] = {1.5f, 0.0f, 0.5f, 0.0f};
         probe.worldFromBox[1].y = 2.5f;
         probe.worldFromBox[3] = {float(i), 2.0f, -3.0f, 1.0f};
         baked.reflections.probes.push_back(probe);
     }
+}
+
+/// What a bake would do to a scene, with made-up values: vertices split wherever a hash says so, lightmap coordinates,
+/// bindings, lightmaps, masks, probes, and a light of each baking output.
+inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
+{
+    BakedScene baked;
+    baked.isBaked = true;
+    baked.mode = MixedLightingMode::Shadowmask;
+    baked.lightmapUnitLux = 4.0f;
+    baked.defaultShadowColor = {0.5f, 0.25f, 0.125f};
+    pretendLightmapped(scene, splitVertices);
+    pretendPages(baked);
+    pretendLights(scene);
+    pretendProbes(baked);
+    pretendReflections(baked);
     baked.scene = std::move(scene);
     return baked;
 }

@@ -181,10 +181,7 @@ TEST(SettingsS23, ShadowColorOfTheBakeAndOfTheAuthor)
     }
 }
 
-TEST(SettingsS5, FileIsStrongerThanExtras)
-{
-    const TemporaryFolder folder;
-    writeText(folder / "s.toml", R"(
+constexpr const char* kStrongerFile = R"(
 [sky]
 color = 3.0
 zenith = [1, 2, 3]
@@ -223,7 +220,12 @@ intensity = 100
 inner_cone_degrees = 10
 outer_cone_degrees = 20
 radius = 0.1
-)");
+)";
+
+TEST(SettingsS5, FileIsStrongerThanExtras)
+{
+    const TemporaryFolder folder;
+    writeText(folder / "s.toml", kStrongerFile);
     const auto scene = readScene(litFile().write(folder), {.settingsFile = folder / "s.toml"});
     ASSERT_TRUE(scene) << scene.error().text();
     EXPECT_TRUE(scene->objects.at(0).isStatic);
@@ -248,8 +250,15 @@ radius = 0.1
     EXPECT_EQ(scene->sky.horizon, vec3(3.0f));
     EXPECT_EQ(scene->probePositions, (std::vector<vec3>{{9, 8, 7}}));
     EXPECT_THAT(scene->warnings, Contains(HasSubstr("\"nobody\"")));
+}
 
-    // Written, read back without the settings file, and baked again with it: the same lights, once.
+TEST(SettingsS5, FileAddsItsLightsOnce)
+{
+    const TemporaryFolder folder;
+    writeText(folder / "s.toml", kStrongerFile);
+    const auto scene = readScene(litFile().write(folder), {.settingsFile = folder / "s.toml"});
+    ASSERT_TRUE(scene) << scene.error().text();
+    // Written, read back without the settings file, and baked again with it.
     ASSERT_TRUE(writeBakedScene(folder / "baked.glb", pretendToBake(*scene)));
     const auto baked = readBakedScene(folder / "baked.glb");
     ASSERT_TRUE(baked) << baked.error().text();

@@ -14,15 +14,8 @@ namespace {
 using namespace test;
 using testing::HasSubstr;
 
-/// A file that has each member which the reader knows; fractions where a number need not be whole.
-GltfBuilder richFile(const TemporaryFolder& folder)
+void addMaterials(Json& json)
 {
-    GltfBuilder file;
-    EXPECT_TRUE(writePng(folder / "t.png", ImageRgba8(2, 2, u8vec4(200, 100, 50, 255))));
-    Json& json = file.json;
-    json["asset"]["generator"] = "test";
-    json["extensionsUsed"] = {"KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_animation_pointer"};
-    json["extensionsRequired"] = {"KHR_lights_punctual"};
     json["images"] = {{{"uri", "t.png"}, {"name", "t"}}};
     json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}, {"minFilter", 9728}}};
     json["textures"] = {{{"source", 0}, {"sampler", 0}, {"name", "t"}}};
@@ -60,6 +53,11 @@ GltfBuilder richFile(const TemporaryFolder& folder)
                               {"specularFactor", {0.5, 0.5, 0.5}},
                               {"glossinessFactor", 0.5},
                               {"diffuseTexture", slot}}}}}}};
+}
+
+void addMeshes(GltfBuilder& file)
+{
+    Json& json = file.json;
     const int position = file.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
     json["accessors"][0]["min"] = {0.0, 0.0, 0.0};
     json["accessors"][0]["max"] = {1.0, 1.0, 0.5};
@@ -94,6 +92,11 @@ GltfBuilder richFile(const TemporaryFolder& folder)
         {{"joints", {0}},
          {"skeleton", 0},
          {"inverseBindMatrices", file.floats({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "MAT4", 16)}}};
+}
+
+void addNodes(GltfBuilder& file)
+{
+    Json& json = file.json;
     json["cameras"] = {
         {{"type", "perspective"},
          {"name", "c"},
@@ -125,7 +128,11 @@ GltfBuilder richFile(const TemporaryFolder& folder)
           {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", file.floats({0, 0, 1}, "VEC3", 3)}}}}}}}},
         {{"camera", 1}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}};
     json["scenes"] = {{{"name", "s"}, {"nodes", {0, 1, 2, 3}}, {"extras", {{"halflight_sky", {0.5, 0.5, 0.5}}}}}};
-    json["animations"] = {
+}
+
+void addAnimation(GltfBuilder& file)
+{
+    file.json["animations"] = {
         {{"name", "a"},
          {"samplers",
           {{{"input", file.floats({0, 1}, "SCALAR", 1)},
@@ -136,6 +143,20 @@ GltfBuilder richFile(const TemporaryFolder& folder)
            {{"sampler", 0},
             {"target",
              {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", "/nodes/3/scale"}}}}}}}}}}}};
+}
+
+/// A file that has each member which the reader knows; fractions where a number need not be whole.
+GltfBuilder richFile(const TemporaryFolder& folder)
+{
+    GltfBuilder file;
+    EXPECT_TRUE(writePng(folder / "t.png", ImageRgba8(2, 2, u8vec4(200, 100, 50, 255))));
+    file.json["asset"]["generator"] = "test";
+    file.json["extensionsUsed"] = {"KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_animation_pointer"};
+    file.json["extensionsRequired"] = {"KHR_lights_punctual"};
+    addMaterials(file.json);
+    addMeshes(file);
+    addNodes(file);
+    addAnimation(file);
     return file;
 }
 

@@ -4,7 +4,9 @@ import { test } from 'node:test';
 
 import { studio } from './studio.mjs';
 
-for (const renderer of ['webgl', 'webgpu']) {
+const renderers = ['webgl', 'webgpu'];
+
+for (const renderer of renderers) {
     test(`life: dispose() frees all that the plug-in made, ${renderer}`, async () => {
         studio.bake('tests/sphere_on_floor', 'life', '--lightmap-size', '64');
         const { page } = await studio.pageOf('three', renderer);
@@ -42,7 +44,9 @@ for (const renderer of ['webgl', 'webgpu']) {
         assert.equal(last.geometries, first.geometries, JSON.stringify(memory));
         assert.ok(!last.marked, 'no mark is left');
     });
+}
 
+for (const renderer of renderers) {
     test(`life: remove(), and objects that leave the scene, ${renderer}`, async () => {
         studio.bake('tests/sphere_on_floor', 'life', '--lightmap-size', '64');
         const { page, call } = await studio.pageOf('three', renderer);
