@@ -2,7 +2,7 @@
 
 #include "bake/lights/channels.h"
 #include "bake/sides/sheet_sides.h"
-#include "test_scene.h"
+#include "bake/test_scene.h"
 
 #include <gtest/gtest.h>
 

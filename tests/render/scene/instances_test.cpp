@@ -1,5 +1,5 @@
 // S15. As many instances as one draw of the seeds has, each with its own interpolated probe light and occlusion.
-#include "render/probe_field.h"
+#include "render/scene/probe_field.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

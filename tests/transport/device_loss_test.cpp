@@ -2,9 +2,9 @@
 // follows.
 
 #include "bake/same_bakes.h"
+#include "bake/test_room.h"
 #include "bake_cpu/trace/embree_kernels.h"
 #include "base/temp_folder.h"
-#include "test_room.h"
 #include "transport/ray_integrator.h"
 
 #include "halflight/bake/bake.h"

@@ -1,6 +1,6 @@
 // Frames recorded into images of the caller (Renderer::record()): the displayed picture, parts of it, frames in flight,
 // a device of the caller.
-#include "render/record_caller.h"
+#include "render/passes/record_caller.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

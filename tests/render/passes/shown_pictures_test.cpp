@@ -1,5 +1,5 @@
 // Pictures that record() shows in more pixels than they have, once more, and while another scene is uploaded.
-#include "render/record_caller.h"
+#include "render/passes/record_caller.h"
 
 #include <array>
 #include <future>

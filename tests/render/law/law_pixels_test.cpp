@@ -1,6 +1,6 @@
 // A rendered pixel equals the law's value: a floor in four columns (lit; in static shadow; in dynamic shadow; in both),
 // seen near, at nine places within the fade, and beyond the shadow distance, in every mode, forward and deferred (S26).
-#include "render/law_modes.h"
+#include "render/law/law_modes.h"
 
 #include <glm/gtc/packing.hpp>
 

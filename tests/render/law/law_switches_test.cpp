@@ -1,5 +1,5 @@
 // The law where a light, an object or a material switches shadows off (spec S20, S30).
-#include "render/law_modes.h"
+#include "render/law/law_modes.h"
 
 #include <utility>
 

@@ -1,5 +1,5 @@
 // Light probe proxy volumes on the GPU: light and occlusion point by point (S16), for groups of instances (S17).
-#include "render/probe_field.h"
+#include "render/scene/probe_field.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

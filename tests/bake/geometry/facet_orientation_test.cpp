@@ -1,6 +1,6 @@
 // Orientation repair of double-sided faces that bound cavities (spec S6).
 
-#include "test_scene.h"
+#include "bake/test_scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // S36. More than four masked lights at a point: masks, probes and proxy volumes hold up to four layers of channels, and
 // both paths read each light's own.
 #include "halflight/shading/mask.h"
-#include "render/probe_field.h"
+#include "render/scene/probe_field.h"
 
 namespace halflight::test::mask_layers_test {
 namespace {
