@@ -66,7 +66,7 @@ void Viewer::handleEvent(const SDL_Event& event)
     const ImGuiIO& io = ImGui::GetIO();
     switch (event.type) {
     case SDL_QUIT:
-        state_.requests.quit = true;
+        quits_ = true;
         break;
     case SDL_DROPFILE: {
         const std::filesystem::path file = event.drop.file;
@@ -80,7 +80,7 @@ void Viewer::handleEvent(const SDL_Event& event)
         else if (event.key.keysym.sym == SDLK_ESCAPE && !io.WantTextInput && !bake_.runs() && !mayDropBake("Escape"))
             break;
         else if (!io.WantTextInput)
-            handleKey(state_, readings_, event.key.keysym.sym, (event.key.keysym.mod & kCommandKeys) != 0);
+            take(answerKey(shown(), event.key.keysym.sym, (event.key.keysym.mod & kCommandKeys) != 0));
         break;
     case SDL_MOUSEWHEEL:
         if (!io.WantCaptureMouse) state_.navigator.dolly(std::pow(kDollyPerNotch, float(event.wheel.y)));
@@ -109,7 +109,7 @@ void Viewer::handleEvent(const SDL_Event& event)
             place[3] = vec4(gizmo_.dragged(state_.navigator.camera(), vec2(event.motion.x, event.motion.y),
                                            vec2(io.DisplaySize.x, io.DisplaySize.y)),
                             1.0f);
-            state_.requests.move = {int(object), place};
+            change(MoveObject{int(object), place});
         } else if (inPicture_)
             drag(vec2(event.motion.x, event.motion.y), vec2(event.motion.xrel, event.motion.yrel), event.motion.state);
         break;

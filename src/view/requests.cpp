@@ -15,23 +15,43 @@
 
 namespace halflight::view {
 
-/// Selects the object or light that a warning names, and looks at it.
-void Viewer::showSubject(std::size_t warning)
+Shown Viewer::shown() const
 {
-    const Subject subject = subjectOf(readings_.warnings[warning], edited_.scene());
+    return {state_, edited_.scene(), shown_.report(), bake_.status(), picture_.report(), comparison_.report(), window_};
+}
+
+void Viewer::take(Answer answer)
+{
+    state_ = std::move(answer.choices);
+    for (const SceneChange& made : answer.changes) change(made);
+    requests_.insert(requests_.end(), answer.requests.begin(), answer.requests.end());
+}
+
+void Viewer::change(const SceneChange& change)
+{
+    edited_.change(change, renderer(), notices_);
+    bake_.sceneChanged();
+}
+
+/// Selects the object or light that a warning names, and looks at it.
+Status Viewer::answer(const ShowSubject& request)
+{
+    if (request.warning >= window_.warnings.size()) return {};
+    const Subject subject = subjectOf(window_.warnings[request.warning], edited_.scene());
     if (subject.object >= 0) {
         state_.selectedObject = subject.object;
         frameSelection();
     } else if (subject.light >= 0) {
         state_.selectedLight = subject.light;
         const Light& light = edited_.scene().lights[std::size_t(subject.light)];
-        if (light.type == LightType::Directional) return; // it is nowhere
+        if (light.type == LightType::Directional) return {}; // it is nowhere
         Bounds around;
         constexpr float kMeters = 1.0f; // of the light's surroundings
         around.extend(light.position() - kMeters);
         around.extend(light.position() + kMeters);
         state_.navigator.frame(around, aspect());
     }
+    return {};
 }
 
 void Viewer::frameSelection()
@@ -41,7 +61,7 @@ void Viewer::frameSelection()
 
 std::string Viewer::currentCommand() const
 {
-    if (readings_.bakeStatus.hasResult)
+    if (bake_.status().hasResult)
         return commandLine(state_, {bake_.file(), ""}, size_, edited_.scene(), shown_.baked().scene);
     return commandLine(state_, {files_.file().string(), options_.settingsFile.string()}, size_, edited_.scene(),
                        edited_.atLoad());
@@ -52,8 +72,8 @@ std::string Viewer::leftOutOfCommand() const
 {
     if (bake_.runs()) return "; the command line has no light of the bake that runs";
     if (bake_.hasUnsaved()) return "; its command line needs the saved bake (Ctrl-S)";
-    const bool changed = !readings_.bakeStatus.hasResult || readings_.bakeStatus.outOfDate;
-    const Scene& before = readings_.bakeStatus.hasResult ? shown_.baked().scene : edited_.atLoad();
+    const bool changed = !bake_.status().hasResult || bake_.status().outOfDate;
+    const Scene& before = bake_.status().hasResult ? shown_.baked().scene : edited_.atLoad();
     const std::string leftOut = leftOutOfCommandLine(state_, edited_.scene(), changed ? before : edited_.scene());
     return leftOut.empty() ? "" : "; the command line cannot say " + leftOut;
 }
@@ -94,43 +114,83 @@ Status Viewer::takeScreenshot()
 
 void Viewer::writeSettings()
 {
-    readings_.bakeStatus.outcome = edited_.writeSettings(options_.settingsFile, files_.file());
-    notices_.tell(readings_.bakeStatus.outcome);
+    bake_.report(edited_.writeSettings(options_.settingsFile, files_.file()));
+}
+
+void Viewer::saveBake()
+{
+    if (!bake_.status().hasResult) return;
+    FilesInUse read;
+    addReadFiles(read, files_.file(), options_.settingsFile);
+    addExternalFiles(read, externalFiles(edited_.atLoad()));
+    bake_.save(std::move(read));
+}
+
+void Viewer::copyCommand()
+{
+    SDL_SetClipboardText(currentCommand().c_str());
+    notices_.note("copied the command line" + leftOutOfCommand());
 }
 
 Status Viewer::answerRequests()
 {
-    const Requests requests = std::exchange(state_.requests, {});
-    if (requests.warning && *requests.warning < readings_.warnings.size()) showSubject(*requests.warning);
-    if (requests.camera) lookThrough(edited_.scene().cameras[std::size_t(*requests.camera)]);
-    if (requests.frameSelection) frameSelection();
-    if (requests.reload && (!shown_.any() || mayDropBake("F5"))) files_.open(renderer(), files_.file(), true);
-    if (requests.toggleFullScreen) desktop_.toggleFullScreen();
-    if (requests.copyCommand) {
-        SDL_SetClipboardText(currentCommand().c_str());
-        notices_.note("copied the command line" + leftOutOfCommand());
+    for (const Request& request : std::exchange(requests_, {}))
+        if (Status status = std::visit([&](const auto& asked) { return answer(asked); }, request); !status)
+            return status;
+    return {};
+}
+
+Status Viewer::answer(const LookThrough& request)
+{
+    lookThrough(edited_.scene().cameras[std::size_t(request.camera)]);
+    return {};
+}
+
+Status Viewer::answer(Action action)
+{
+    switch (action) {
+    case Action::Leave:
+        if (bake_.runs() && !bake_.status().cancelled)
+            bake_.cancel();
+        else
+            quits_ = true;
+        break;
+    case Action::Screenshot:
+        if (!shown_.isCoarse()) return takeScreenshot();
+        requests_.push_back(action); // of all texels
+        break;
+    case Action::Expose:
+        if (size_.x > 0) return expose();
+        requests_.push_back(action); // after the first frame
+        break;
+    case Action::FrameSelection:
+        frameSelection();
+        break;
+    case Action::Reload:
+        if (!shown_.any() || mayDropBake("F5")) files_.open(renderer(), files_.file(), true);
+        break;
+    case Action::CopyCommand:
+        copyCommand();
+        break;
+    case Action::Bake:
+        if (shown_.isUploading())
+            requests_.push_back(action); // of what is shown then
+        else if (!bake_.runs())
+            bake_.start(std::make_unique<BakeSession>(edited_.scene(), state_.bake, embreeIntegrators()));
+        break;
+    case Action::CancelBake:
+        bake_.cancel();
+        break;
+    case Action::Save:
+        saveBake();
+        break;
+    case Action::WriteSettings:
+        writeSettings();
+        break;
+    case Action::ToggleFullScreen:
+        desktop_.toggleFullScreen();
+        break;
     }
-    if (requests.bake && shown_.isUploading())
-        state_.requests.bake = true; // of what is shown then
-    else if (requests.bake && !bake_.runs())
-        bake_.start(std::make_unique<BakeSession>(edited_.scene(), state_.bake, embreeIntegrators()));
-    if (requests.cancelBake) bake_.cancel();
-    if (requests.save && readings_.bakeStatus.hasResult) {
-        FilesInUse read;
-        addReadFiles(read, files_.file(), options_.settingsFile);
-        addExternalFiles(read, externalFiles(edited_.atLoad()));
-        bake_.save(std::move(read));
-    }
-    if (requests.writeSettings) writeSettings();
-    if (requests.expose && size_.x < 1)
-        state_.requests.expose = true; // after the first frame
-    else if (requests.expose)
-        if (Status status = expose(); !status) return status;
-    if (requests.screenshot && shown_.isCoarse())
-        state_.requests.screenshot = true; // of all texels
-    else if (requests.screenshot)
-        if (Status status = takeScreenshot(); !status) return status;
-    if (requests.quit) state_.requests.quit = true;
     return {};
 }
 

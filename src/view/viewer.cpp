@@ -19,8 +19,8 @@ namespace halflight::view {
 
 Viewer::Viewer(const ViewOptions& options)
     : options_(options), notices_(options.say), first_(options), desktop_("halflight", options.render.size),
-      picture_(state_, readings_, notices_), files_(options, first_, desktop_), shown_(state_, readings_, first_.ends),
-      comparison_(state_, readings_), bake_(state_, readings_, shown_, comparison_, notices_)
+      picture_(state_, notices_), files_(options, first_, desktop_), shown_(state_, first_.ends), comparison_(state_),
+      bake_(state_, shown_, comparison_, notices_)
 {
     state_.settings = options.render;
     state_.settings.supersampling = std::max(options.render.supersampling, 1);
@@ -46,7 +46,7 @@ Status Viewer::run()
     renderer().prepareForward(false); // while the file is read
     files_.open(renderer(), options_.file, false);
     lastFrame_ = Clock::now();
-    while (!state_.requests.quit && !(options_.cancel != nullptr && options_.cancel->load()) &&
+    while (!quits_ && !(options_.cancel != nullptr && options_.cancel->load()) &&
            (options_.frames == 0 || frames_ < options_.frames)) {
         Status status = turn();
         if (!status && status.error().code == ErrorCode::DeviceFailed) {
@@ -69,7 +69,7 @@ Status Viewer::run()
 void Viewer::startDevice()
 {
     device_.emplace(desktop_, options_.device);
-    readings_.device = renderer().deviceName() + ", " + renderer().driver();
+    window_.device = renderer().deviceName() + ", " + renderer().driver();
 }
 
 Status Viewer::recover(const Error& failure)
@@ -97,7 +97,7 @@ Status Viewer::turn()
     const Clock::time_point now = Clock::now();
     const float seconds = std::chrono::duration<float>(now - lastFrame_).count();
     lastFrame_ = now;
-    addFrame(readings_.frameMilliseconds, 1000.0f * seconds);
+    addFrame(window_.frameMilliseconds, 1000.0f * seconds);
     fly(seconds);
     comparison_.followReference(edited_, size_, device_->ui);
     try {
@@ -118,7 +118,7 @@ Status Viewer::turn()
 void Viewer::reloadChanged()
 {
     if (!bake_.hasUnsaved()) {
-        state_.requests.reload = true;
+        requests_.push_back(Action::Reload);
         return;
     }
     files_.wasWritten(files_.file());
@@ -164,24 +164,21 @@ Status Viewer::showFile(FileLoader::Opened opened)
     files_.isShown(opened);
     edited_.beginFile(shown_.baked().scene);
     notices_.setWarnings(Notices::About::File, edited_.scene().warnings);
-    readings_.title = opened.file.filename().string();
+    window_.title = opened.file.filename().string();
     state_.bakeOutput = opened.file.stem().string() + "_baked.glb";
     state_.selectedLight = state_.selectedObject = -1;
     gizmo_.release();
-    const bool quits = state_.requests.quit;
-    state_.requests = {}; // of lights and objects that are gone
-    state_.requests.quit = quits;
-    SDL_SetWindowTitle(desktop_.window(), ("halflight: " + readings_.title).c_str());
+    std::erase_if(requests_, [](const Request& request) { // of a scene that is gone
+        const auto* action = std::get_if<Action>(&request);
+        return action == nullptr || *action != Action::Leave;
+    });
+    SDL_SetWindowTitle(desktop_.window(), ("halflight: " + window_.title).c_str());
     state_.settings.mode = mode;
     state_.otherMode = RunMode::Realtime; // what a bake is compared with
     if (!keepsView) place(content.camera, isFirst && options_.exposureEv ? options_.exposureEv : content.exposureEv);
     if (!content.session) state_.bake.mode = shown_.baked().isBaked ? shown_.baked().mode : options_.bake.mode;
-    for (auto& light : lights) {
-        Requests change;
-        change.light = std::move(light);
-        edited_.change(change, renderer(), notices_);
-        if (!options_.exposureEv) state_.requests.expose = true;
-    }
+    for (const auto& [light, value] : lights) edited_.change(ChangeLight{light, value}, renderer(), notices_);
+    if (!lights.empty() && !options_.exposureEv) requests_.push_back(Action::Expose);
     if (content.session) bake_.start(std::move(content.session));
     if (content.light) {
         shown_.take(std::move(*content.light), textures, shown_.time());
@@ -209,7 +206,7 @@ void Viewer::place(const Camera& camera, std::optional<float> exposureEv)
     if (exposureEv)
         state_.exposureEv = *exposureEv;
     else
-        state_.requests.expose = true;
+        requests_.push_back(Action::Expose);
 }
 
 void Viewer::lookThrough(const Camera& camera)
@@ -227,7 +224,7 @@ Status Viewer::pollUpload()
     if (!*isShown) return {};
     bake_.uploadIsShown();
     // What changed while it was made or uploaded.
-    if (edited_.repeat(shown_.time(), renderer())) readings_.bakeStatus.outOfDate = true;
+    if (edited_.repeat(shown_.time(), renderer())) bake_.sceneChanged();
     return {};
 }
 
@@ -275,8 +272,8 @@ void Viewer::buildPanels(bool isDrawn)
     panelInput_.beginFrame();
     ImGui::NewFrame();
     if (shown_.any()) {
-        readings_.warnings = notices_.warnings();
-        drawPanels(state_, readings_, edited_.scene());
+        window_.warnings = notices_.warnings();
+        take(drawPanels(shown()));
         if (state_.compares) comparison_.drawLine();
         if (state_.panels && state_.selectedObject >= 0)
             drawBounds(state_.navigator.camera(), edited_.boundsOf(state_.selectedObject));
@@ -284,7 +281,6 @@ void Viewer::buildPanels(bool isDrawn)
     }
     if (isDrawn) drawNotice();
     ImGui::Render();
-    if (edited_.change(state_.requests, renderer(), notices_)) readings_.bakeStatus.outOfDate = true;
 }
 
 /// What is being done, or was said just now, at the bottom.

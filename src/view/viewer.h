@@ -10,6 +10,8 @@
 #include "view/scene/scene_picture.h"
 #include "view/scene/shown_scene.h"
 #include "view/state/notices.h"
+#include "view/state/requests.h"
+#include "view/state/shown.h"
 #include "view/window/desktop.h"
 
 #include <chrono>
@@ -72,8 +74,17 @@ private:
     Status drawFrame();
     void firstPictureIsShown();
 
+    [[nodiscard]] Shown shown() const;
+    /// Choices and changes of the scene hold at once; the rest waits for answerRequests().
+    void take(Answer answer);
+    void change(const SceneChange& change);
+    /// Those of the frame, in their order. What has to wait is asked for again.
     Status answerRequests();
-    void showSubject(std::size_t warning);
+    Status answer(Action action);
+    Status answer(const LookThrough& request);
+    Status answer(const ShowSubject& request);
+    void saveBake();
+    void copyCommand();
     void frameSelection();
     void writeSettings();
     Status expose();
@@ -84,7 +95,9 @@ private:
     const ViewOptions& options_;
     Notices notices_;
     ViewState state_;
-    Readings readings_;
+    WindowReport window_;
+    std::vector<Request> requests_; ///< of this frame
+    bool quits_ = false;
     FirstFile first_;
     Desktop desktop_;
     EditedScene edited_;

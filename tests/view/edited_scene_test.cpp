@@ -49,15 +49,13 @@ protected:
 TEST_F(EditedScenes, RepeatWhatTheSceneThatIsShownHasNot)
 {
     const ImageRgba32f before = picture();
-    Requests requests;
-    EXPECT_FALSE(edited.change(requests, *renderer, notices)) << "nothing is asked for";
     const auto begin = EditedScene::Clock::now();
-    requests.light = {1, edited.scene().lights[1]};
-    requests.light->second.intensity *= 5.0f;
-    requests.move = {0, glm::translate(mat4(1.0f), vec3(0, 0.3f, 0)) * edited.scene().objects[0].worldFromObject};
-    requests.switches = Requests::ObjectSwitches{1, false, false, true};
-    EXPECT_TRUE(edited.change(requests, *renderer, notices));
-    EXPECT_FALSE(requests.light || requests.move || requests.switches) << "they are done";
+    Light brighter = edited.scene().lights[1];
+    brighter.intensity *= 5.0f;
+    edited.change(ChangeLight{1, brighter}, *renderer, notices);
+    const mat4 up = glm::translate(mat4(1.0f), vec3(0, 0.3f, 0));
+    edited.change(MoveObject{0, up * edited.scene().objects[0].worldFromObject}, *renderer, notices);
+    edited.change(ChangeSwitches{1, false, false, true}, *renderer, notices);
     EXPECT_FALSE(edited.scene().objects[1].isStatic) << "in the next bake";
     const ImageRgba32f changed = picture();
     ASSERT_NE(changed.texels(), before.texels());
@@ -87,11 +85,10 @@ TEST_F(EditedScenes, AreWrittenAsASettingsFileAfterTheRulesInUse)
     baked.scene.lights[0].name = "sun";
     edited.beginFile(baked.scene);
     EXPECT_EQ(edited.writeSettings(mine, "room.glb"), "nothing was changed");
-    Requests requests;
     for (const float intensity : {7.0f, 9.0f}) {
-        requests.light = {0, edited.scene().lights[0]};
-        requests.light->second.intensity = intensity;
-        ASSERT_TRUE(edited.change(requests, *renderer, notices));
+        Light changed = edited.scene().lights[0];
+        changed.intensity = intensity;
+        edited.change(ChangeLight{0, changed}, *renderer, notices);
         EXPECT_EQ(edited.writeSettings(mine, "room.glb"), "wrote " + (folder / "mine_2.toml").string());
         EXPECT_EQ(textOf(folder / "mine_2.toml"),
                   rules + fmt::format("\n[[light]]\npattern = \"sun\"\nintensity = {}\n\n", intensity));

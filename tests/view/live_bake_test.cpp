@@ -29,11 +29,10 @@ TEST(LiveBake, ACancelledOneLeavesTheFinishedOneToBeSaved)
 
     const std::atomic<bool> ends = false;
     ViewState state;
-    Readings readings;
     Notices notices{nullptr};
-    ShownScene shown(state, readings, ends);
-    Comparison comparison(state, readings);
-    LiveBake bake(state, readings, shown, comparison, notices);
+    ShownScene shown(state, ends);
+    Comparison comparison(state);
+    LiveBake bake(state, shown, comparison, notices);
     shown.take(file, TextureDetail::Full, ShownScene::Clock::now());
     const auto follow = [&] {
         while (bake.runs() || shown.isUploading()) {
@@ -52,13 +51,13 @@ TEST(LiveBake, ACancelledOneLeavesTheFinishedOneToBeSaved)
     bake.start(std::make_unique<BakeSession>(file.scene, settings, embreeIntegrators()));
     EXPECT_FALSE(bake.hasUnsaved()) << "it runs";
     follow();
-    ASSERT_TRUE(bake.hasUnsaved()) << readings.bakeStatus.outcome;
+    ASSERT_TRUE(bake.hasUnsaved()) << bake.status().outcome;
 
     settings.samples = 1 << 16; // minutes
     bake.start(std::make_unique<BakeSession>(file.scene, settings, embreeIntegrators()));
     bake.cancel();
     follow();
-    EXPECT_EQ(readings.bakeStatus.outcome, "cancelled");
+    EXPECT_EQ(bake.status().outcome, "cancelled");
     EXPECT_TRUE(bake.hasUnsaved()) << "the first one is shown again";
     state.bakeOutput = (folder / "room.txt").string();
     bake.save({});
@@ -69,8 +68,7 @@ TEST(LiveBake, ACancelledOneLeavesTheFinishedOneToBeSaved)
     addReadFiles(read, folder / "." / "room.glb", {});
     bake.save(read);
     EXPECT_TRUE(bake.hasUnsaved()) << "it would replace the scene";
-    EXPECT_NE(readings.bakeStatus.outcome.find("would replace the scene"), std::string::npos)
-        << readings.bakeStatus.outcome;
+    EXPECT_NE(bake.status().outcome.find("would replace the scene"), std::string::npos) << bake.status().outcome;
     EXPECT_EQ(readFile(folder / "room.glb")->size(), 9u);
     bake.save({});
     EXPECT_FALSE(bake.hasUnsaved());

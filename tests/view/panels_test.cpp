@@ -7,7 +7,10 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <optional>
 #include <random>
+#include <set>
+#include <utility>
 
 namespace halflight::view::panels_test {
 namespace {
@@ -38,11 +41,11 @@ protected:
         int width = 0;
         int height = 0;
         io.Fonts->GetTexDataAsRGBA32(&texels, &width, &height);
-        readings.modes = {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask};
-        readings.passes = {{"depth", 3, 3, 100, 1.0}};
-        readings.frameMilliseconds = {16.0f, 17.0f};
-        readings.warnings = {"something is odd"};
-        readings.title = "file.glb";
+        report.modes = {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask};
+        picture.passes = {{"depth", 3, 3, 100, 1.0}};
+        window.frameMilliseconds = {16.0f, 17.0f};
+        window.warnings = {"something is odd"};
+        window.title = "file.glb";
     }
     void TearDown() override { ImGui::DestroyContext(); }
 
@@ -50,7 +53,7 @@ protected:
     int frame()
     {
         ImGui::NewFrame();
-        drawPanels(state, readings, scene);
+        take(drawPanels(shown()));
         ImGui::Render();
         return ImGui::GetDrawData()->TotalVtxCount;
     }
@@ -65,9 +68,31 @@ protected:
         frame();
     }
 
+    void press(int key, bool control = false) { take(answerKey(shown(), key, control)); }
+    Shown shown() const { return {state, scene, report, bake, picture, comparison, window}; }
+    void take(Answer answer)
+    {
+        state = std::move(answer.choices);
+        changes.insert(changes.end(), answer.changes.begin(), answer.changes.end());
+        requests.insert(requests.end(), answer.requests.begin(), answer.requests.end());
+    }
+    /// What was asked for last, and no more than that.
+    std::optional<Action> onlyAction()
+    {
+        const std::vector<Request> asked = std::exchange(requests, {});
+        const auto* action = asked.size() == 1 ? std::get_if<Action>(&asked[0]) : nullptr;
+        return action != nullptr ? std::optional(*action) : std::nullopt;
+    }
+
     Scene scene = smallScene();
     ViewState state;
-    Readings readings;
+    SceneReport report;
+    BakeStatus bake;
+    PictureReport picture;
+    CompareReport comparison;
+    WindowReport window;
+    std::vector<SceneChange> changes; ///< and requests, since they were last looked at
+    std::vector<Request> requests;
 };
 
 TEST(PanelScale, IsOneAtUsualDisplays)
@@ -103,27 +128,28 @@ TEST_F(Panels, GraphOfPassesHasAColumnForEachFrame)
         ImGui::NewFrame();
         ImGui::Begin("panels");
         ImGui::SetNextItemOpen(true);
-        frameSection(state, readings);
+        Answer answer{state, {}, {}};
+        frameSection(shown(), answer);
         ImGui::End();
         ImGui::Render();
         return ImGui::GetDrawData()->TotalVtxCount;
     };
-    readings.frameMilliseconds.clear();
+    window.frameMilliseconds.clear();
     vertices();
     const int none = vertices();
-    readings.frameMilliseconds.assign(kShownFrames, 16.0f);
+    window.frameMilliseconds.assign(kShownFrames, 16.0f);
     EXPECT_GE(vertices(), none + 100) << "the frames' own graph";
-    readings.timed = true;
+    picture.timed = true;
     state.settings.timings = true;
     vertices();
     const int without = vertices();
-    readings.passes = {{"depth", 3, 3, 100, 1.0}, {"light", 3, 3, 100, 2.0}};
-    for (int i = 0; i < 10; ++i) addFrame(readings.passesOfFrames, readings.passes);
+    picture.passes = {{"depth", 3, 3, 100, 1.0}, {"light", 3, 3, 100, 2.0}};
+    for (int i = 0; i < 10; ++i) addFrame(picture.passesOfFrames, picture.passes);
     vertices(); // the window takes its size
     const int some = vertices();
     EXPECT_GE(some, without + 10 * 2 * 4) << "a rectangle for each pass of each frame";
-    for (int i = 0; i < 1000; ++i) addFrame(readings.passesOfFrames, readings.passes);
-    EXPECT_EQ(readings.passesOfFrames.size(), kShownFrames);
+    for (int i = 0; i < 1000; ++i) addFrame(picture.passesOfFrames, picture.passes);
+    EXPECT_EQ(picture.passesOfFrames.size(), kShownFrames);
     EXPECT_EQ(vertices(), some + int(kShownFrames - 10) * 2 * 4);
 }
 
@@ -177,86 +203,72 @@ TEST(ShownName, HidesNothing)
 TEST_F(Panels, SurviveRandomClicks)
 {
     std::mt19937 random(3);
-    Requests seen;
-    int requestedLights = 0;
-    int requestedSwitches = 0;
+    std::set<Action> seen;
+    int changedLights = 0;
+    int changedSwitches = 0;
     for (int i = 0; i < 12000; ++i) {
         click(float(random() % 360), float(random() % 2600));
-        if (i % 500 == 0) readings.bakeStatus.running = !readings.bakeStatus.running;
-        if (state.requests.light) {
-            ++requestedLights;
-            const auto& [index, light] = *state.requests.light;
-            ASSERT_LT(std::size_t(index), scene.lights.size());
-            scene.lights[std::size_t(index)] = light;
+        if (i % 500 == 0) bake.running = !bake.running;
+        for (const Request& request : std::exchange(requests, {})) {
+            if (const auto* action = std::get_if<Action>(&request)) seen.insert(*action);
+            if (const auto* through = std::get_if<LookThrough>(&request)) ASSERT_LT(through->camera, 2);
         }
-        if (state.requests.switches) {
-            ++requestedSwitches;
-            ASSERT_LT(std::size_t(state.requests.switches->object), scene.objects.size());
+        for (const SceneChange& change : std::exchange(changes, {})) {
+            if (const auto* light = std::get_if<ChangeLight>(&change)) {
+                ++changedLights;
+                ASSERT_LT(std::size_t(light->light), scene.lights.size());
+                scene.lights[std::size_t(light->light)] = light->value;
+            }
+            if (const auto* switches = std::get_if<ChangeSwitches>(&change)) {
+                ++changedSwitches;
+                ASSERT_LT(std::size_t(switches->object), scene.objects.size());
+            }
         }
-        seen.bake |= state.requests.bake;
-        seen.cancelBake |= state.requests.cancelBake;
-        seen.screenshot |= state.requests.screenshot;
-        seen.expose |= state.requests.expose;
-        seen.reload |= state.requests.reload;
-        if (state.requests.camera) ASSERT_LT(*state.requests.camera, 2);
-        state.requests = {};
         ASSERT_TRUE(checkShadowSettings(state.settings.shadows)) << i;
         ASSERT_GE(state.settings.supersampling, 1);
         ASSERT_LE(state.settings.supersampling, 4);
     }
-    EXPECT_TRUE(seen.bake);
-    EXPECT_TRUE(seen.cancelBake);
-    EXPECT_TRUE(seen.screenshot);
-    EXPECT_TRUE(seen.expose);
-    EXPECT_TRUE(seen.reload);
-    EXPECT_GT(requestedLights, 0);
-    EXPECT_GT(requestedSwitches, 0);
+    for (const Action action : {Action::Bake, Action::CancelBake, Action::Screenshot, Action::Expose, Action::Reload})
+        EXPECT_TRUE(seen.contains(action)) << int(action);
+    EXPECT_GT(changedLights, 0);
+    EXPECT_GT(changedSwitches, 0);
 }
 
 TEST_F(Panels, KeysDoWhatTheHelpSays)
 {
-    handleKey(state, readings, SDLK_3, false);
+    press(SDLK_3);
     EXPECT_EQ(state.settings.mode, RunMode::Shadowmask);
-    handleKey(state, readings, SDLK_5, false);
+    press(SDLK_5);
     EXPECT_EQ(state.settings.mode, RunMode::Shadowmask) << "the file has no data for subtractive";
-    handleKey(state, readings, SDLK_p, false);
+    press(SDLK_p);
     EXPECT_EQ(state.settings.path, RenderPath::Deferred);
-    for (int i = 0; i < 8; ++i) handleKey(state, readings, SDLK_v, false);
+    for (int i = 0; i < 8; ++i) press(SDLK_v);
     EXPECT_EQ(state.settings.view, DebugView::Lit) << "once round";
-    handleKey(state, readings, SDLK_b, true);
-    EXPECT_FALSE(state.requests.bake) << "with control it is another command";
-    handleKey(state, readings, SDLK_b, false);
-    EXPECT_TRUE(state.requests.bake);
-    handleKey(state, readings, SDLK_TAB, false);
+    press(SDLK_b, true);
+    EXPECT_TRUE(requests.empty()) << "with control it is another command";
+    press(SDLK_s, true);
+    EXPECT_EQ(onlyAction(), Action::Save);
+    press(SDLK_b);
+    EXPECT_EQ(onlyAction(), Action::Bake);
+    press(SDLK_TAB);
     EXPECT_FALSE(state.panels);
     for (const Compare with : {Compare::Mode, Compare::Reference}) {
-        handleKey(state, readings, SDLK_c, false);
+        press(SDLK_c);
         EXPECT_TRUE(state.compares);
         EXPECT_EQ(state.compareWith, with);
     }
-    handleKey(state, readings, SDLK_c, false);
+    press(SDLK_c);
     EXPECT_FALSE(state.compares);
-    readings.hasEarlier = true;
-    handleKey(state, readings, SDLK_c, false);
+    comparison.hasEarlier = true;
+    press(SDLK_c);
     EXPECT_EQ(state.compareWith, Compare::BeforeBake);
-    handleKey(state, readings, SDLK_r, false);
+    press(SDLK_r);
     EXPECT_EQ(state.compareWith, Compare::Reference);
-    handleKey(state, readings, SDLK_r, false);
+    press(SDLK_r);
     EXPECT_FALSE(state.compares);
-    readings.bakeStatus.running = true;
-    handleKey(state, readings, SDLK_ESCAPE, false);
-    EXPECT_TRUE(state.requests.cancelBake);
-    EXPECT_FALSE(state.requests.quit);
-    handleKey(state, readings, SDLK_ESCAPE, false);
-    EXPECT_TRUE(state.requests.quit) << "twice between two frames";
-    state.requests = {};
-    readings.bakeStatus.cancelled = true;
-    handleKey(state, readings, SDLK_ESCAPE, false);
-    EXPECT_TRUE(state.requests.quit) << "nothing waits until the bake has ended";
-    state.requests = {};
-    readings.bakeStatus = {};
-    handleKey(state, readings, SDLK_ESCAPE, false);
-    EXPECT_TRUE(state.requests.quit);
+    EXPECT_TRUE(requests.empty()) << "choices are no requests";
+    press(SDLK_ESCAPE);
+    EXPECT_EQ(onlyAction(), Action::Leave);
 }
 
 } // namespace

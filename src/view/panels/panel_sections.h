@@ -1,7 +1,8 @@
 #pragma once
 // Sections of the panels that are in a file of their own, and what sections have in common.
 
-#include "view/state/view_state.h"
+#include "view/state/requests.h"
+#include "view/state/shown.h"
 
 #include <imgui.h>
 
@@ -44,12 +45,12 @@ template<typename T, typename Values> bool choice(const char* label, T& value, c
 }
 
 /// What is in the scene: panels_scene.cpp.
-void lightSection(ViewState& state, const Readings& readings, const Scene& scene);
-void objectSection(ViewState& state, const Scene& scene);
-void warningSection(ViewState& state, const Readings& readings);
+void lightSection(const Shown& shown, Answer& answer);
+void objectSection(const Shown& shown, Answer& answer);
+void warningSection(const Shown& shown, Answer& answer);
 
 /// What a frame takes, and sizes: panels_frame.cpp.
-void frameSection(ViewState& state, const Readings& readings);
-void statisticsSection(const Statistics& statistics);
+void frameSection(const Shown& shown, Answer& answer);
+void statisticsSection(const SceneReport& report);
 
 } // namespace halflight::view

@@ -18,34 +18,36 @@ namespace {
 constexpr std::array kViews = {DebugView::Lit,      DebugView::Shadowmask, DebugView::Lightmap, DebugView::Probes,
                                DebugView::Cascades, DebugView::Fade,       DebugView::Overlap,  DebugView::Texels};
 
-void compareChoices(ViewState& state, const Readings& readings)
+void compareChoices(const Shown& shown, ViewState& state)
 {
     ImGui::Checkbox("compare", &state.compares);
     if (!state.compares) return;
     std::vector<Compare> choices = {Compare::Mode, Compare::Reference};
-    if (readings.hasEarlier) choices.push_back(Compare::BeforeBake);
+    if (shown.comparison.hasEarlier) choices.push_back(Compare::BeforeBake);
     choice("right of the line", state.compareWith, choices, [](Compare with) {
         constexpr const char* kNames[] = {"another mode", "before the bake", "the reference"};
         return kNames[int(with)];
     });
-    if (state.compareWith == Compare::Mode) choice("other mode", state.otherMode, readings.modes);
+    if (state.compareWith == Compare::Mode) choice("other mode", state.otherMode, shown.report.modes);
     if (state.compareWith == Compare::Reference) {
-        const bool any = readings.referenceSamples > 0;
-        say(any ? fmt::format("samples a pixel: {}", readings.referenceSamples) : "it begins when the camera rests");
+        const bool any = shown.comparison.referenceSamples > 0;
+        say(any ? fmt::format("samples a pixel: {}", shown.comparison.referenceSamples)
+                : "it begins when the camera rests");
     }
     ImGui::SliderFloat("line", &state.split, 0.0f, 1.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
 }
 
-void viewSection(ViewState& state, const Readings& readings, const Scene& scene)
+void viewSection(const Shown& shown, Answer& answer)
 {
     if (!ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    ViewState& state = answer.choices;
     RenderSettings& settings = state.settings;
-    choice("mode", settings.mode, readings.modes);
+    choice("mode", settings.mode, shown.report.modes);
     choice("path", settings.path, std::array{RenderPath::Forward, RenderPath::Deferred});
     choice("shows", settings.view, kViews);
     if (settings.view != DebugView::Lit) ImGui::TextWrapped("%s", legendOf(settings.view));
     drag("exposure EV", state.exposureEv, 0.05f, -40.0f, 40.0f, "%.2f");
-    if (ImGui::Button("expose for this view")) state.requests.expose = true;
+    if (ImGui::Button("expose for this view")) answer.requests.push_back(Action::Expose);
     choice("tone mapping", state.toneMapping,
            std::array{ToneMapping::Neutral, ToneMapping::Aces, ToneMapping::Agx, ToneMapping::None});
     choice("antialiasing", settings.supersampling, std::array{1, 2, 3, 4}, [](int side) {
@@ -56,27 +58,29 @@ void viewSection(ViewState& state, const Readings& readings, const Scene& scene)
     ImGui::Checkbox("specular", &settings.specular);
     ImGui::Checkbox("directional lightmaps", &settings.directionalLightmaps);
     ImGui::Checkbox("proxy volumes", &settings.proxyVolumes);
-    compareChoices(state, readings);
+    compareChoices(shown, state);
     ImGui::Checkbox("vsync", &state.vsync);
     drag("flying m/s", state.speed, 0.05f, 0.01f, 1000.0f, "%.2f");
-    for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    for (std::size_t i = 0; i < shown.scene.cameras.size(); ++i) {
         ImGui::PushID(int(i));
-        if (ImGui::SmallButton(shownName("camera " + scene.cameras[i].name).c_str())) state.requests.camera = int(i);
+        if (ImGui::SmallButton(shownName("camera " + shown.scene.cameras[i].name).c_str()))
+            answer.requests.push_back(LookThrough{int(i)});
         ImGui::PopID();
     }
-    if (ImGui::Button("screenshot")) state.requests.screenshot = true;
+    if (ImGui::Button("screenshot")) answer.requests.push_back(Action::Screenshot);
     ImGui::SameLine();
-    if (ImGui::Button("copy command line")) state.requests.copyCommand = true;
-    if (ImGui::Button("reload the file")) state.requests.reload = true;
+    if (ImGui::Button("copy command line")) answer.requests.push_back(Action::CopyCommand);
+    if (ImGui::Button("reload the file")) answer.requests.push_back(Action::Reload);
 }
 
-void shadowSection(ViewState& state, const Readings& readings)
+void shadowSection(const Shown& shown, Answer& answer)
 {
     if (!ImGui::CollapsingHeader("Realtime shadows")) return;
+    ViewState& state = answer.choices;
     ShadowSettings& shadows = state.settings.shadows;
     ImGui::Checkbox("reach all that is in view", &state.followsShadowDistance);
     if (state.followsShadowDistance)
-        say(fmt::format("distance {:.4g} m", readings.shadowDistanceMeters));
+        say(fmt::format("distance {:.4g} m", shown.picture.shadowDistanceMeters));
     else
         drag("distance m", shadows.distanceMeters, 0.1f, 0.01f, 100000.0f, "%.2f");
     drag("fade range m", shadows.fadeRangeMeters, 0.05f, 0.01f, 100000.0f, "%.2f");
@@ -92,10 +96,11 @@ void shadowSection(ViewState& state, const Readings& readings)
     ImGui::Checkbox("shadows of point lights", &shadows.pointShadows);
 }
 
-void bakeSection(ViewState& state, const Readings& readings)
+void bakeSection(const Shown& shown, Answer& answer)
 {
     if (!ImGui::CollapsingHeader("Bake", ImGuiTreeNodeFlags_DefaultOpen)) return;
-    const BakeStatus& status = readings.bakeStatus;
+    ViewState& state = answer.choices;
+    const BakeStatus& status = shown.bake;
     if (status.running) {
         const BakeSessionState& session = status.session;
         ImGui::ProgressBar(float(session.fraction), ImVec2(-FLT_MIN, 0.0f), session.stage.c_str());
@@ -110,7 +115,7 @@ void bakeSection(ViewState& state, const Readings& readings)
         if (status.cancelled)
             ImGui::TextUnformatted("The bake ends.");
         else if (ImGui::Button("cancel the bake"))
-            state.requests.cancelBake = true;
+            answer.requests.push_back(Action::CancelBake);
         return;
     }
     choice("baked mode", state.bake.mode,
@@ -120,15 +125,15 @@ void bakeSection(ViewState& state, const Readings& readings)
     if (ImGui::Checkbox("bakes directions", &directional)) state.bake.directional = directional;
     ImGui::Checkbox("glossy bounces", &state.bake.glossyBounces);
     ImGui::Checkbox("bakes reflection probes", &state.bake.reflectionProbes);
-    if (ImGui::Button("bake (B)")) state.requests.bake = true;
-    if (status.outOfDate && readings.isBaked)
+    if (ImGui::Button("bake (B)")) answer.requests.push_back(Action::Bake);
+    if (status.outOfDate && shown.report.isBaked)
         ImGui::TextWrapped("Lights or objects changed since the bake that is shown.");
     if (!status.outcome.empty()) ImGui::TextWrapped("%s", status.outcome.c_str());
     std::array<char, 1024> path{};
     std::copy_n(state.bakeOutput.begin(), std::min(state.bakeOutput.size(), path.size() - 1), path.begin());
     if (ImGui::InputText("file", path.data(), path.size())) state.bakeOutput = path.data();
-    if (status.hasResult && ImGui::Button("save the baked file")) state.requests.save = true;
-    if (ImGui::Button("write changes as a settings file")) state.requests.writeSettings = true;
+    if (status.hasResult && ImGui::Button("save the baked file")) answer.requests.push_back(Action::Save);
+    if (ImGui::Button("write changes as a settings file")) answer.requests.push_back(Action::WriteSettings);
 }
 
 } // namespace
@@ -180,38 +185,40 @@ bool overPanels(const ViewState& state, vec2 place)
     return state.panels && place.x < panelWidth();
 }
 
-void drawPanels(ViewState& state, const Readings& readings, const Scene& scene)
+Answer drawPanels(const Shown& shown)
 {
-    if (!state.panels) return;
+    Answer answer{shown.choices, {}, {}};
+    if (!shown.choices.panels) return answer;
     ImGui::SetNextWindowPos(ImVec2(0.0f, 0.0f));
     ImGui::SetNextWindowSize(ImVec2(panelWidth(), ImGui::GetIO().DisplaySize.y));
     constexpr ImGuiWindowFlags kFixed =
         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse;
-    if (ImGui::Begin((shownName(readings.title) + "###panels").c_str(), nullptr, kFixed)) {
+    if (ImGui::Begin((shownName(shown.window.title) + "###panels").c_str(), nullptr, kFixed)) {
         ImGui::PushItemWidth(11.0f * ImGui::GetFontSize());
-        viewSection(state, readings, scene);
-        bakeSection(state, readings);
-        shadowSection(state, readings);
-        lightSection(state, readings, scene);
-        objectSection(state, scene);
-        frameSection(state, readings);
-        statisticsSection(readings.statistics);
-        warningSection(state, readings);
+        viewSection(shown, answer);
+        bakeSection(shown, answer);
+        shadowSection(shown, answer);
+        lightSection(shown, answer);
+        objectSection(shown, answer);
+        frameSection(shown, answer);
+        statisticsSection(shown.report);
+        warningSection(shown, answer);
         if (ImGui::CollapsingHeader("Keys"))
             for (const std::string& line : keyHelp()) ImGui::TextWrapped("%s", line.c_str());
         ImGui::PopItemWidth();
     }
     ImGui::End();
+    return answer;
 }
 
 namespace {
 
 /// Nothing, the light before the bake, another mode, the reference, in turn.
-void compareNext(ViewState& state, const Readings& readings)
+void compareNext(const Shown& shown, ViewState& state)
 {
     std::vector<Compare> choices = {Compare::Reference};
-    if (readings.modes.size() > 1) choices.insert(choices.begin(), Compare::Mode);
-    if (readings.hasEarlier) choices.insert(choices.begin(), Compare::BeforeBake);
+    if (shown.report.modes.size() > 1) choices.insert(choices.begin(), Compare::Mode);
+    if (shown.comparison.hasEarlier) choices.insert(choices.begin(), Compare::BeforeBake);
     const auto at = std::find(choices.begin(), choices.end(), state.compareWith);
     const bool last = at == choices.end() || at + 1 == choices.end();
     if (!state.compares)
@@ -223,19 +230,20 @@ void compareNext(ViewState& state, const Readings& readings)
 
 } // namespace
 
-void handleKey(ViewState& state, const Readings& readings, int key, bool control)
+Answer answerKey(const Shown& shown, int key, bool control)
 {
+    Answer answer{shown.choices, {}, {}};
+    ViewState& state = answer.choices;
+    const auto ask = [&](Action action) { answer.requests.push_back(action); };
     if (control) {
-        if (key == SDLK_s) state.requests.save = true;
-        return;
+        if (key == SDLK_s) ask(Action::Save);
+        return answer;
     }
-    Requests& requests = state.requests;
-    const BakeStatus& status = readings.bakeStatus;
     if (key >= SDLK_1 && key <= SDLK_5) {
         const auto mode = RunMode(key - SDLK_1);
-        if (std::find(readings.modes.begin(), readings.modes.end(), mode) != readings.modes.end())
-            state.settings.mode = mode;
-        return;
+        const std::vector<RunMode>& modes = shown.report.modes;
+        if (std::find(modes.begin(), modes.end(), mode) != modes.end()) state.settings.mode = mode;
+        return answer;
     }
     switch (key) {
     case SDLK_p:
@@ -245,40 +253,40 @@ void handleKey(ViewState& state, const Readings& readings, int key, bool control
         state.settings.view = kViews[(std::size_t(state.settings.view) + 1) % kViews.size()];
         break;
     case SDLK_f:
-        requests.frameSelection = true;
+        ask(Action::FrameSelection);
         break;
     case SDLK_b:
-        requests.bake = !status.running;
+        ask(Action::Bake);
         break;
     case SDLK_x:
-        requests.expose = true;
+        ask(Action::Expose);
         break;
     case SDLK_c:
-        compareNext(state, readings);
+        compareNext(shown, state);
         break;
     case SDLK_r:
         state.compares = !(state.compares && state.compareWith == Compare::Reference);
         state.compareWith = Compare::Reference;
         break;
     case SDLK_F5:
-        requests.reload = true;
+        ask(Action::Reload);
         break;
     case SDLK_F11:
-        requests.toggleFullScreen = true;
+        ask(Action::ToggleFullScreen);
         break;
     case SDLK_F12:
-        requests.screenshot = true;
+        ask(Action::Screenshot);
         break;
     case SDLK_TAB:
         state.panels = !state.panels;
         break;
     case SDLK_ESCAPE:
-        // Two presses may come before requests are answered.
-        (status.running && !status.cancelled && !requests.cancelBake ? requests.cancelBake : requests.quit) = true;
+        ask(Action::Leave);
         break;
     default:
         break;
     }
+    return answer;
 }
 
 } // namespace halflight::view

@@ -1,12 +1,16 @@
 #pragma once
-// The window's panels, by Dear ImGui. They write a ViewState, and know no Vulkan.
+// The window's panels, by Dear ImGui. They return what the user asks for, and know no Vulkan.
 
-#include "view/state/view_state.h"
+#include "view/state/requests.h"
+#include "view/state/shown.h"
+
+#include <string>
+#include <vector>
 
 namespace halflight::view {
 
-/// One window at the left with a section for each subject. `scene`: as it is drawn. Needs a current ImGui frame.
-void drawPanels(ViewState& state, const Readings& readings, const Scene& scene);
+/// One window at the left with a section for each subject. Needs a current ImGui frame.
+Answer drawPanels(const Shown& shown);
 /// Whether panels are drawn at a place of the window, or an open list may be.
 bool overPanels(const ViewState& state, vec2 place);
 
@@ -15,7 +19,7 @@ constexpr float kUsualDotsPerInch = 96.0f; ///< of displays for which panels are
 float panelScale(float dotsPerInch);
 
 /// Keys that are pressed outside of text fields; `key` is SDL's key code for letters, digits and F keys.
-void handleKey(ViewState& state, const Readings& readings, int key, bool control);
+Answer answerKey(const Shown& shown, int key, bool control);
 
 /// What the keys do, a line each: "1 … 5  lighting mode".
 const std::vector<std::string>& keyHelp();

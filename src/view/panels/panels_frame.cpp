@@ -63,19 +63,19 @@ void passGraph(const std::vector<std::vector<PassReport>>& frames)
     }
 }
 
-void passTable(const Readings& readings)
+void passTable(const PictureReport& picture)
 {
     if (!ImGui::BeginTable("passes", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) return;
-    for (std::size_t i = 0; i < readings.passes.size(); ++i) {
-        const PassReport& pass = readings.passes[i];
+    for (std::size_t i = 0; i < picture.passes.size(); ++i) {
+        const PassReport& pass = picture.passes[i];
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
-        if (readings.timed)
+        if (picture.timed)
             ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(colorOf(i)), "%s", pass.name.c_str());
         else
             say(pass.name);
         ImGui::TableNextColumn();
-        say(readings.timed ? fmt::format("{:.3f} ms", pass.milliseconds) : "-");
+        say(picture.timed ? fmt::format("{:.3f} ms", pass.milliseconds) : "-");
         ImGui::TableNextColumn();
         say(fmt::format("{} draws", pass.draws));
     }
@@ -84,20 +84,22 @@ void passTable(const Readings& readings)
 
 } // namespace
 
-void frameSection(ViewState& state, const Readings& readings)
+void frameSection(const Shown& shown, Answer& answer)
 {
     if (!ImGui::CollapsingHeader("Frame")) return;
-    frameGraph(readings.frameMilliseconds);
-    ImGui::Checkbox("measure passes", &state.settings.timings);
-    if (state.settings.timings && !readings.timed && !readings.passes.empty()) say("the device has no timestamps");
-    if (state.settings.timings) {
-        passGraph(readings.passesOfFrames);
-        passTable(readings);
+    bool& timings = answer.choices.settings.timings;
+    const PictureReport& picture = shown.picture;
+    frameGraph(shown.window.frameMilliseconds);
+    ImGui::Checkbox("measure passes", &timings);
+    if (timings && !picture.timed && !picture.passes.empty()) say("the device has no timestamps");
+    if (timings) {
+        passGraph(picture.passesOfFrames);
+        passTable(picture);
     }
-    say(readings.device);
+    say(shown.window.device);
 }
 
-void statisticsSection(const Statistics& s)
+void statisticsSection(const SceneReport& s)
 {
     if (!ImGui::CollapsingHeader("Statistics")) return;
     say(fmt::format("{} objects, {} triangles", s.objects, s.triangles));

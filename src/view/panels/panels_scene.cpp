@@ -27,14 +27,15 @@ constexpr float kMost = 1.0e9f;      // of intensities and colours, as options h
 constexpr float kLeastSide = 0.001f; // metres, of area lights
 constexpr float kMostSide = 1.0e5f;
 
-void lightEditor(ViewState& state, const Readings& readings, const Light& light)
+void lightEditor(const Shown& shown, Answer& answer, int selected)
 {
+    const Light& light = shown.scene.lights[std::size_t(selected)];
     Light changed = light;
     bool any = choice("light mode", changed.mode, std::array{LightMode::Realtime, LightMode::Mixed, LightMode::Baked});
     markForBake(true);
-    const auto index = std::size_t(state.selectedLight);
-    if (index < readings.maskChannels.size() && readings.maskChannels[index] >= 0)
-        say(fmt::format("mask channel {}", readings.maskChannels[index]));
+    const std::vector<int>& channels = shown.report.maskChannels;
+    const auto index = std::size_t(selected);
+    if (index < channels.size() && channels[index] >= 0) say(fmt::format("mask channel {}", channels[index]));
     const bool baked = light.mode != LightMode::Realtime;
     any |= ImGui::ColorEdit3("colour", &changed.color.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
     changed.color = glm::clamp(changed.color, vec3(0.0f), vec3(kMost)); // Dear ImGui limits it to 1 or not at all
@@ -61,52 +62,56 @@ void lightEditor(ViewState& state, const Readings& readings, const Light& light)
     any |= drag("bounced light", changed.indirectMultiplier, 0.01f, 0.0f, 100.0f, "x %.2f");
     markForBake(true);
     any |= ImGui::Checkbox("casts shadows", &changed.castShadows);
-    if (any) state.requests.light = {state.selectedLight, changed};
+    if (any) answer.changes.push_back(ChangeLight{selected, changed});
 }
 
-void objectEditor(ViewState& state, const Object& object, const dvec3& originMeters)
+void objectEditor(const Scene& scene, Answer& answer, int selected)
 {
+    const Object& object = scene.objects[std::size_t(selected)];
     say(fmt::format("{}: {}", object.name, object.isStatic ? "static, baked" : "dynamic, lit by probes"));
-    Requests::ObjectSwitches switches{state.selectedObject, object.isStatic, object.castShadows, object.receiveShadows};
+    ChangeSwitches switches{selected, object.isStatic, object.castShadows, object.receiveShadows};
     bool changed = ImGui::Checkbox("static", &switches.isStatic);
     markForBake(true);
     changed |= ImGui::Checkbox("casts shadows##object", &switches.castShadows);
     markForBake(object.isStatic);
     changed |= ImGui::Checkbox("receives shadows", &switches.receiveShadows);
     markForBake(object.isStatic);
-    if (changed) state.requests.switches = switches;
-    dvec3 place = originMeters + dvec3(object.worldFromObject[3]); // as the file has it
-    constexpr float kSpeed = 0.01f;                                // metres a pixel
+    if (changed) answer.changes.push_back(switches);
+    dvec3 place = scene.originMeters + dvec3(object.worldFromObject[3]); // as the file has it
+    constexpr float kSpeed = 0.01f;                                      // metres a pixel
     if (ImGui::DragScalarN("position m", ImGuiDataType_Double, &place.x, 3, kSpeed, nullptr, nullptr, "%.2f")) {
         mat4 moved = object.worldFromObject;
-        moved[3] = vec4(vec3(place - originMeters), 1.0f);
-        state.requests.move = {state.selectedObject, moved};
+        moved[3] = vec4(vec3(place - scene.originMeters), 1.0f);
+        answer.changes.push_back(MoveObject{selected, moved});
     }
     markForBake(object.isStatic);
-    if (ImGui::Button("look at it (F)")) state.requests.frameSelection = true;
+    if (ImGui::Button("look at it (F)")) answer.requests.push_back(Action::FrameSelection);
 }
 
 } // namespace
 
-void lightSection(ViewState& state, const Readings& readings, const Scene& scene)
+void lightSection(const Shown& shown, Answer& answer)
 {
+    const Scene& scene = shown.scene;
+    int& selected = answer.choices.selectedLight;
     if (!ImGui::CollapsingHeader(fmt::format("Lights ({})###Lights", scene.lights.size()).c_str())) return;
     if (ImGui::BeginListBox("##lights", ImVec2(-FLT_MIN, 6.0f * ImGui::GetTextLineHeightWithSpacing()))) {
         for (std::size_t i = 0; i < scene.lights.size(); ++i) {
             const Light& light = scene.lights[i];
             const std::string line =
                 fmt::format("{}  {} {}##{}", shownName(light.name), nameOf(light.mode), nameOf(light.type), i);
-            if (ImGui::Selectable(line.c_str(), state.selectedLight == int(i))) state.selectedLight = int(i);
+            if (ImGui::Selectable(line.c_str(), selected == int(i))) selected = int(i);
         }
         ImGui::EndListBox();
     }
-    if (state.selectedLight >= 0 && std::size_t(state.selectedLight) < scene.lights.size())
-        lightEditor(state, readings, scene.lights[std::size_t(state.selectedLight)]);
+    if (selected >= 0 && std::size_t(selected) < scene.lights.size()) lightEditor(shown, answer, selected);
 }
 
-void objectSection(ViewState& state, const Scene& scene)
+void objectSection(const Shown& shown, Answer& answer)
 {
-    if (std::exchange(state.showsSelected, false)) ImGui::SetNextItemOpen(true);
+    const Scene& scene = shown.scene;
+    int& selected = answer.choices.selectedObject;
+    if (std::exchange(answer.choices.showsSelected, false)) ImGui::SetNextItemOpen(true);
     if (!ImGui::CollapsingHeader(fmt::format("Objects ({})###Objects", scene.objects.size()).c_str())) return;
     if (ImGui::BeginListBox("##objects", ImVec2(-FLT_MIN, 8.0f * ImGui::GetTextLineHeightWithSpacing()))) {
         ImGuiListClipper clipper;
@@ -116,28 +121,27 @@ void objectSection(ViewState& state, const Scene& scene)
                 const Object& object = scene.objects[std::size_t(i)];
                 const std::string line =
                     fmt::format("{}{}##{}", shownName(object.name), object.isStatic ? "" : "  dynamic", i);
-                if (ImGui::Selectable(line.c_str(), state.selectedObject == i)) state.selectedObject = i;
+                if (ImGui::Selectable(line.c_str(), selected == i)) selected = i;
             }
         }
         ImGui::EndListBox();
     }
-    if (state.selectedObject >= 0 && std::size_t(state.selectedObject) < scene.objects.size())
-        objectEditor(state, scene.objects[std::size_t(state.selectedObject)], scene.originMeters);
+    if (selected >= 0 && std::size_t(selected) < scene.objects.size()) objectEditor(scene, answer, selected);
 }
 
-void warningSection(ViewState& state, const Readings& readings)
+void warningSection(const Shown& shown, Answer& answer)
 {
-    const std::string title = fmt::format("Warnings ({})###Warnings", readings.warnings.size());
+    const std::vector<std::string>& warnings = shown.window.warnings;
+    const std::string title = fmt::format("Warnings ({})###Warnings", warnings.size());
     if (!ImGui::CollapsingHeader(title.c_str())) return;
-    for (std::size_t i = 0; i < readings.warnings.size(); ++i) {
+    for (std::size_t i = 0; i < warnings.size(); ++i) {
         ImGui::PushID(int(i));
         ImGui::Bullet();
-        const ImVec2 size =
-            ImGui::CalcTextSize(readings.warnings[i].c_str(), nullptr, false, ImGui::GetContentRegionAvail().x);
+        const ImVec2 size = ImGui::CalcTextSize(warnings[i].c_str(), nullptr, false, ImGui::GetContentRegionAvail().x);
         const ImVec2 at = ImGui::GetCursorPos();
-        if (ImGui::Selectable("##warning", false, 0, ImVec2(0.0f, size.y))) state.requests.warning = i;
+        if (ImGui::Selectable("##warning", false, 0, ImVec2(0.0f, size.y))) answer.requests.push_back(ShowSubject{i});
         ImGui::SetCursorPos(at);
-        ImGui::TextWrapped("%s", readings.warnings[i].c_str());
+        ImGui::TextWrapped("%s", warnings[i].c_str());
         ImGui::PopID();
     }
 }

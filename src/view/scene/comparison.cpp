@@ -39,7 +39,7 @@ void Comparison::keepEarlier(std::optional<BakedScene> earlier)
 void Comparison::forget()
 {
     keepEarlier(std::nullopt);
-    readings_.hasEarlier = false;
+    report_.hasEarlier = false;
     if (state_.compareWith != Compare::BeforeBake) return;
     state_.compares = false;
     state_.compareWith = Compare::Mode;
@@ -88,13 +88,13 @@ void Comparison::followReference(EditedScene& edited, ivec2 size, UiRenderer& ui
     if (!wanted || size.x < 1 || EditedScene::Clock::now() - edited.lastChange() < kRest) {
         if (reference_) reference_->pause();
         pathTraced_.reset();
-        readings_.referenceSamples = 0;
+        report_.referenceSamples = 0;
         return;
     }
     if (!reference_) reference_.emplace();
     if (reference_->follow(edited.snapshot(), state_.navigator.camera(), size, state_.settings.specular)) {
         pathTraced_.reset();
-        readings_.referenceSamples = 0;
+        report_.referenceSamples = 0;
     }
     std::optional<ReferencePicture::Picture> picture = reference_->take();
     const bool isNew = picture.has_value();
@@ -102,7 +102,7 @@ void Comparison::followReference(EditedScene& edited, ivec2 size, UiRenderer& ui
     if (!pathTraced_ || (!isNew && pathTracedEv_ == state_.exposureEv && pathTracedTone_ == state_.toneMapping)) return;
     pathTracedEv_ = state_.exposureEv;
     pathTracedTone_ = state_.toneMapping;
-    readings_.referenceSamples = pathTraced_->samples;
+    report_.referenceSamples = pathTraced_->samples;
     ui.setPicture(displayedPicture(pathTraced_->radiance, state_.exposureEv, state_.toneMapping));
 }
 
@@ -119,7 +119,7 @@ void Comparison::drawLine() const
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float x = state_.split * size.x;
     std::string right = nameOf(state_.otherMode);
-    if (state_.compareWith == Compare::BeforeBake) right = readings_.hasEarlier ? "before the bake" : "";
+    if (state_.compareWith == Compare::BeforeBake) right = report_.hasEarlier ? "before the bake" : "";
     if (state_.compareWith == Compare::Reference) {
         right = pathTraced_ ? fmt::format("path traced, samples a pixel: {}", pathTraced_->samples) : "path tracing";
         if (pathTraced_) {

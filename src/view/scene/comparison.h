@@ -3,7 +3,7 @@
 
 #include "view/scene/edited_scene.h"
 #include "view/scene/reference_picture.h"
-#include "view/state/view_state.h"
+#include "view/state/shown.h"
 #include "view/window/ui_renderer.h"
 
 #include <future>
@@ -16,10 +16,13 @@ namespace halflight::view {
 /// is made when it is first compared with, on other threads.
 class Comparison {
 public:
-    Comparison(ViewState& state, Readings& readings) : state_(state), readings_(readings) {}
+    explicit Comparison(ViewState& state) : state_(state) {}
 
+    [[nodiscard]] const CompareReport& report() const { return report_; }
     /// What was shown before the bake that has just ended; nothing: there is none.
     void keepEarlier(std::optional<BakedScene> earlier);
+    /// The light of that bake is shown.
+    void offerEarlier() { report_.hasEarlier = true; }
     /// The light before a bake of another file.
     void forget();
     /// Waits for what is made on a device that has failed, and drops it.
@@ -48,7 +51,7 @@ private:
     [[nodiscard]] RunMode earlierMode() const;
 
     ViewState& state_;
-    Readings& readings_;
+    CompareReport report_;
     std::optional<BakedScene> earlier_;
     std::optional<ReferencePicture::Picture> pathTraced_; ///< the last one of this view
     float pathTracedEv_ = 0.0f;                           ///< its exposure on the screen

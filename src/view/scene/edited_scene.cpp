@@ -6,7 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <utility>
+#include <variant>
 
 namespace halflight::view {
 
@@ -23,37 +23,43 @@ void EditedScene::beginFile(const Scene& scene)
     snapshot_.reset();
 }
 
-bool EditedScene::change(Requests& requests, Renderer& renderer, Notices& notices)
+void EditedScene::change(const SceneChange& change, Renderer& renderer, Notices& notices)
 {
-    const auto light = std::exchange(requests.light, std::nullopt);
-    const auto switches = std::exchange(requests.switches, std::nullopt);
-    const auto moved = std::exchange(requests.move, std::nullopt);
-    if (!light && !switches && !moved) return false;
     lastChange_ = Clock::now();
-    if (light) {
-        const auto& [index, changed] = *light;
-        scene_.lights[std::size_t(index)] = changed;
-        changedLights_[index] = lastChange_;
-        if (Status status = renderer.setLight(index, changed); !status)
-            notices.addWarning(Notices::About::Frame, status.error().text());
-    }
-    if (switches) {
-        Object& object = scene_.objects[std::size_t(switches->object)];
-        object.isStatic = switches->isStatic;
-        object.castShadows = switches->castShadows;
-        object.receiveShadows = switches->receiveShadows;
-        changedObjects_[switches->object] = lastChange_;
-        (void)renderer.setObjectShadows(switches->object, object.castShadows, object.receiveShadows);
-    }
-    if (moved) {
-        const auto& [index, place] = *moved;
-        if (renderer.setObjectTransform(index, place)) {
-            move(std::size_t(index), place);
-            changedObjects_[index] = lastChange_;
-        }
-    }
+    std::visit([&](const auto& made) { make(made, renderer, notices); }, change);
     snapshot_.reset();
-    return true;
+}
+
+void EditedScene::make(const ChangeLight& change, Renderer& renderer, Notices& notices)
+{
+    scene_.lights[std::size_t(change.light)] = change.value;
+    changedLights_[change.light] = lastChange_;
+    if (Status status = renderer.setLight(change.light, change.value); !status)
+        notices.addWarning(Notices::About::Frame, status.error().text());
+}
+
+void EditedScene::make(const ChangeSwitches& change, Renderer& renderer, Notices& /*notices*/)
+{
+    Object& object = scene_.objects[std::size_t(change.object)];
+    object.isStatic = change.isStatic;
+    object.castShadows = change.castShadows;
+    object.receiveShadows = change.receiveShadows;
+    changedObjects_[change.object] = lastChange_;
+    (void)renderer.setObjectShadows(change.object, object.castShadows, object.receiveShadows);
+}
+
+void EditedScene::make(const MoveObject& change, Renderer& renderer, Notices& /*notices*/)
+{
+    if (!renderer.setObjectTransform(change.object, change.worldFromObject)) return;
+    const auto index = std::size_t(change.object);
+    Object& object = scene_.objects[index];
+    object.worldFromObject = change.worldFromObject;
+    changedObjects_[change.object] = lastChange_;
+    if (object.mesh < 0) return;
+    bounds_[index] = {};
+    for (const MeshPart& part : scene_.meshes[std::size_t(object.mesh)].parts)
+        for (const vec3& position : part.positions)
+            bounds_[index].extend(vec3(change.worldFromObject * vec4(position, 1.0f)));
 }
 
 bool EditedScene::repeat(Clock::time_point since, Renderer& renderer) const
@@ -72,16 +78,6 @@ bool EditedScene::repeat(Clock::time_point since, Renderer& renderer) const
         some = true;
     }
     return some;
-}
-
-void EditedScene::move(std::size_t index, const mat4& place)
-{
-    Object& object = scene_.objects[index];
-    object.worldFromObject = place;
-    if (object.mesh < 0) return;
-    bounds_[index] = {};
-    for (const MeshPart& part : scene_.meshes[std::size_t(object.mesh)].parts)
-        for (const vec3& position : part.positions) bounds_[index].extend(vec3(place * vec4(position, 1.0f)));
 }
 
 Bounds EditedScene::boundsOf(int object) const

@@ -2,7 +2,7 @@
 // The scene as the user has changed it.
 
 #include "view/state/notices.h"
-#include "view/state/view_state.h"
+#include "view/state/requests.h"
 
 #include <chrono>
 #include <filesystem>
@@ -21,9 +21,8 @@ public:
 
     /// A file's, before any change.
     void beginFile(const Scene& scene);
-    /// Makes the changes that panels and arrows ask for, here and in what the renderer draws, and takes them off
-    /// `requests`. Whether there were some.
-    bool change(Requests& requests, Renderer& renderer, Notices& notices);
+    /// Makes a change here and in what the renderer draws.
+    void change(const SceneChange& change, Renderer& renderer, Notices& notices);
 
     /// Makes those changes once more that were made since `since`, in what the renderer draws: a scene that was made
     /// then. Whether there are some.
@@ -42,7 +41,9 @@ public:
     std::shared_ptr<const Scene> snapshot();
 
 private:
-    void move(std::size_t index, const mat4& place);
+    void make(const ChangeLight& change, Renderer& renderer, Notices& notices);
+    void make(const ChangeSwitches& change, Renderer& renderer, Notices& notices);
+    void make(const MoveObject& change, Renderer& renderer, Notices& notices);
     Status writeChanges(const std::string& changes, const std::filesystem::path& before,
                         const std::filesystem::path& stem);
 

@@ -17,9 +17,9 @@ void LiveBake::start(std::unique_ptr<BakeSession> session)
     before_ = shown_.baked();
     beforeTime_ = shown_.time();
     modeBefore_ = state_.settings.mode;
-    resultBefore_ = readings_.bakeStatus.hasResult;
-    readings_.bakeStatus = {};
-    readings_.bakeStatus.running = true;
+    resultBefore_ = status_.hasResult;
+    status_ = {};
+    status_.running = true;
     notices_.setWarnings(Notices::About::Bake, {});
 }
 
@@ -32,7 +32,7 @@ void LiveBake::cancel()
 {
     if (!session_) return;
     session_->cancel();
-    readings_.bakeStatus.cancelled = true;
+    status_.cancelled = true;
     notices_.note("the bake ends; Escape once more quits");
 }
 
@@ -44,28 +44,27 @@ void LiveBake::forget()
     end_.reset();
     irradiance_.clear();
     savedAs_.clear();
-    readings_.bakeStatus = {};
+    status_ = {};
     notices_.setWarnings(Notices::About::Bake, {});
 }
 
 Status LiveBake::poll(Renderer& renderer, float aspect, double pictureSeconds)
 {
     if (!session_) return {};
-    readings_.bakeStatus.session = session_->state();
+    status_.session = session_->state();
     session_->setView(state_.navigator.camera(), aspect);
     if (shown_.isUploading()) return {};
     if (Status status = showProgress(renderer, pictureSeconds); !status) return status;
-    if (shown_.isUploading() || !readings_.bakeStatus.session.finished) return {};
+    if (shown_.isUploading() || !status_.session.finished) return {};
     Result<BakeResult> result = session_->takeResult();
     session_.reset();
-    end(renderer, std::move(result), readings_.bakeStatus.session.seconds);
+    end(renderer, std::move(result), status_.session.seconds);
     return {};
 }
 
 /// First light, then what has changed of it.
 Status LiveBake::showProgress(Renderer& renderer, double pictureSeconds)
 {
-    BakeStatus& status = readings_.bakeStatus;
     const char* name = "light of probes";
     std::optional<BakedScene> light = session_->takeProbeLight();
     if (std::optional<BakedScene> ofTexels = session_->takeLight()) {
@@ -81,12 +80,11 @@ Status LiveBake::showProgress(Renderer& renderer, double pictureSeconds)
     // Uploads wait for the frames in flight, so that some tiles come at once. Where the CPU draws, pictures of new
     // tiles take an eighth of the bake's time at most.
     const std::chrono::duration<double> pause(std::max(0.3, 8.0 * pictureSeconds));
-    if (!status.firstLight || Clock::now() - lastTiles_ < pause) return {};
+    if (!status_.firstLight || Clock::now() - lastTiles_ < pause) return {};
     lastTiles_ = Clock::now();
     const std::vector<LightTile> tiles = session_->takeTiles();
     std::vector<LightmapRectangle> rectangles;
     for (const LightTile& tile : tiles) rectangles.push_back({tile.page, tile.offset, &tile.texels});
-    status.tiles += tiles.size();
     return renderer.updateLightmaps(rectangles);
 }
 
@@ -120,7 +118,7 @@ void LiveBake::uploadIsShown()
 void LiveBake::lightIsShown(const char* name)
 {
     notices_.say(fmt::format("{} after {:.2f} s", name, session_->state().seconds));
-    readings_.bakeStatus.firstLight = true;
+    status_.firstLight = true;
     state_.settings.mode = RunMode::BakedIndirect; // mixed lights have no mask before the end
     lastTiles_ = Clock::now();
 }
@@ -129,10 +127,10 @@ void LiveBake::endIsShown()
 {
     const End end = *std::exchange(end_, std::nullopt);
     state_.settings.mode = end.mode;
-    if (end.hasResult) readings_.hasEarlier = true;
-    readings_.bakeStatus = {};
-    readings_.bakeStatus.hasResult = end.hasResult || resultBefore_; // what comes back may still be saved
-    readings_.bakeStatus.outcome = end.outcome;
+    if (end.hasResult) comparison_.offerEarlier();
+    status_ = {};
+    status_.hasResult = end.hasResult || resultBefore_; // what comes back may still be saved
+    status_.outcome = end.outcome;
     notices_.tell(end.hasResult ? end.outcome : "bake: " + end.outcome);
 }
 
@@ -154,8 +152,13 @@ std::string LiveBake::write(FilesInUse files)
 
 void LiveBake::save(FilesInUse files)
 {
-    readings_.bakeStatus.outcome = write(std::move(files));
-    notices_.tell(readings_.bakeStatus.outcome);
+    report(write(std::move(files)));
+}
+
+void LiveBake::report(const std::string& outcome)
+{
+    status_.outcome = outcome;
+    notices_.tell(outcome);
 }
 
 } // namespace halflight::view

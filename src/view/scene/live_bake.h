@@ -16,12 +16,14 @@
 namespace halflight::view {
 
 /// One bake at a time, and what the last one left. While it runs, what was shown before it is kept. A step waits until
-/// nothing is being uploaded, so that the next scene to be shown is that step's. Readings::bakeStatus follows it.
+/// nothing is being uploaded, so that the next scene to be shown is that step's.
 class LiveBake {
 public:
-    LiveBake(ViewState& state, Readings& readings, ShownScene& shown, Comparison& comparison, Notices& notices)
-        : state_(state), readings_(readings), shown_(shown), comparison_(comparison), notices_(notices)
+    LiveBake(ViewState& state, ShownScene& shown, Comparison& comparison, Notices& notices)
+        : state_(state), shown_(shown), comparison_(comparison), notices_(notices)
     {}
+
+    [[nodiscard]] const BakeStatus& status() const { return status_; }
 
     /// Bakes; where that fails or is cancelled, what is shown now is shown again.
     void start(std::unique_ptr<BakeSession> session);
@@ -41,8 +43,12 @@ public:
     /// Writes the finished bake that is shown.
     /// `files`: what the window reads; none of it is replaced.
     void save(FilesInUse files);
+    /// Lights or objects changed since the bake that is shown.
+    void sceneChanged() { status_.outOfDate = true; }
+    /// What was done with the bake or for the next one, for people.
+    void report(const std::string& outcome);
     /// Whether a finished bake is shown that was not written.
-    [[nodiscard]] bool hasUnsaved() const { return readings_.bakeStatus.hasResult && savedAs_.empty(); }
+    [[nodiscard]] bool hasUnsaved() const { return status_.hasResult && savedAs_.empty(); }
     /// That the finished bake was or will be written to.
     [[nodiscard]] const std::string& file() const { return savedAs_.empty() ? state_.bakeOutput : savedAs_; }
 
@@ -55,10 +61,10 @@ private:
     std::string write(FilesInUse files);
 
     ViewState& state_;
-    Readings& readings_;
     ShownScene& shown_;
     Comparison& comparison_;
     Notices& notices_;
+    BakeStatus status_;
     std::optional<BakedScene> before_;       ///< shown before the bake that runs
     Clock::time_point beforeTime_;           ///< when that was made
     Clock::time_point time_;                 ///< when the bake that runs was begun

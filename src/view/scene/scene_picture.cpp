@@ -37,7 +37,7 @@ Status ScenePicture::draw(const Swapchain::Frame& frame, WindowDevice& device, c
     RenderSettings settings =
         settingsOf(settingsOfFrame(state_, edited.bounds(), pictureSize(frame.size, detail)), detail);
     settings.keepsPicture = !settings.timings;
-    readings_.shadowDistanceMeters = settings.shadows.distanceMeters;
+    report_.shadowDistanceMeters = settings.shadows.distanceMeters;
     isNew_ = false;
     VulkanTarget target{frame.view, device.swapchain.format(), frame.size};
     const int line = int(std::lround(state_.split * float(frame.size.x)));
@@ -57,10 +57,10 @@ Status ScenePicture::draw(const Swapchain::Frame& frame, WindowDevice& device, c
     if (right && line <= 0) return {};
     Result<RenderedFrame> drawn = record(frame, target, *device.renderer, settings);
     if (!drawn) return drawn.error();
-    readings_.passes = std::move(drawn->passes);
-    readings_.timed = drawn->timed;
-    if (drawn->timed) addFrame(readings_.passesOfFrames, readings_.passes);
-    if (!settings.timings) readings_.passesOfFrames.clear();
+    report_.passes = std::move(drawn->passes);
+    report_.timed = drawn->timed;
+    if (drawn->timed) addFrame(report_.passesOfFrames, report_.passes);
+    if (!settings.timings) report_.passesOfFrames.clear();
     notices_.setWarnings(Notices::About::Frame, std::move(drawn->plan.warnings));
     return {};
 }

@@ -6,6 +6,7 @@
 #include "view/scene/edited_scene.h"
 #include "view/state/notices.h"
 #include "view/state/picture_size.h"
+#include "view/state/shown.h"
 #include "view/window/desktop.h"
 
 #include <chrono>
@@ -14,15 +15,15 @@
 
 namespace halflight::view {
 
-/// Chooses how coarse each picture is, by the times of those before. Passes and shadow distance in Readings, and the
-/// frame's warnings, are those of the last picture.
+/// Chooses how coarse each picture is, by the times of those before. The report and the frame's warnings are those of
+/// the last picture.
 class ScenePicture {
 public:
     using Clock = std::chrono::steady_clock;
 
-    ScenePicture(const ViewState& state, Readings& readings, Notices& notices)
-        : state_(state), readings_(readings), notices_(notices)
-    {}
+    ScenePicture(const ViewState& state, Notices& notices) : state_(state), notices_(notices) {}
+
+    [[nodiscard]] const PictureReport& report() const { return report_; }
 
     /// Another file is shown. `coarseSeconds`: time of its coarse picture, if there was one.
     void beginFile(std::optional<double> coarseSeconds);
@@ -55,8 +56,8 @@ private:
     };
 
     const ViewState& state_;
-    Readings& readings_;
     Notices& notices_;
+    PictureReport report_;
     PictureDetails details_;
     std::optional<Drawn> last_;
     bool isNew_ = false;

@@ -1,14 +1,25 @@
 #include "view/scene/shown_scene.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace halflight::view {
 namespace {
 
-Statistics statisticsOf(const BakedScene& baked)
+std::vector<RunMode> modesOf(const BakedScene& baked)
 {
-    Statistics s;
+    std::vector<RunMode> modes;
+    for (const RunMode mode : {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask,
+                               RunMode::DistanceShadowmask, RunMode::Subtractive})
+        if (checkRunMode(baked, mode)) modes.push_back(mode);
+    return modes;
+}
+
+SceneReport reportOf(const BakedScene& baked)
+{
+    SceneReport s;
+    s.isBaked = baked.isBaked;
+    for (const Light& light : baked.scene.lights) s.maskChannels.push_back(light.baking.occlusionMaskChannel);
+    s.modes = modesOf(baked);
     s.objects = baked.scene.objects.size();
     for (const Object& object : baked.scene.objects)
         if (object.mesh >= 0) s.triangles += baked.scene.meshes[std::size_t(object.mesh)].triangleCount();
@@ -24,29 +35,13 @@ Statistics statisticsOf(const BakedScene& baked)
     return s;
 }
 
-std::vector<RunMode> modesOf(const BakedScene& baked)
-{
-    std::vector<RunMode> modes;
-    for (const RunMode mode : {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask,
-                               RunMode::DistanceShadowmask, RunMode::Subtractive})
-        if (checkRunMode(baked, mode)) modes.push_back(mode);
-    return modes;
-}
-
 } // namespace
 
 void ShownScene::take(BakedScene baked, TextureDetail textures, Clock::time_point time)
 {
-    readings_.isBaked = baked.isBaked;
-    readings_.maskChannels.clear();
-    for (const Light& light : baked.scene.lights) readings_.maskChannels.push_back(light.baking.occlusionMaskChannel);
-    readings_.modes = modesOf(baked);
-    readings_.statistics = statisticsOf(baked);
-    const auto fits = [&](RunMode mode) {
-        return std::find(readings_.modes.begin(), readings_.modes.end(), mode) != readings_.modes.end();
-    };
-    if (!fits(state_.settings.mode)) state_.settings.mode = defaultRunMode(baked);
-    if (!fits(state_.otherMode)) state_.otherMode = RunMode::Realtime;
+    report_ = reportOf(baked);
+    if (!checkRunMode(baked, state_.settings.mode)) state_.settings.mode = defaultRunMode(baked);
+    if (!checkRunMode(baked, state_.otherMode)) state_.otherMode = RunMode::Realtime;
     baked_ = std::move(baked);
     textures_ = textures;
     time_ = time;

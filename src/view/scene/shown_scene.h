@@ -1,7 +1,7 @@
 #pragma once
 // The scene that the window shows, and the next one on its way to the device.
 
-#include "view/state/view_state.h"
+#include "view/state/shown.h"
 
 #include <atomic>
 #include <chrono>
@@ -11,19 +11,17 @@
 
 namespace halflight::view {
 
-/// Keeps what the renderer draws, to go back to, to save, and to upload to another device. The modes and
-/// statistics of Readings are always those of this scene.
+/// Keeps what the renderer draws, to go back to, to save, and to upload to another device.
 class ShownScene {
 public:
     using Clock = std::chrono::steady_clock;
 
     /// `ends` is set when the window closes: uploads end soon.
-    ShownScene(ViewState& state, Readings& readings, const std::atomic<bool>& ends)
-        : state_(state), readings_(readings), ends_(ends)
-    {}
+    ShownScene(ViewState& state, const std::atomic<bool>& ends) : state_(state), ends_(ends) {}
 
     [[nodiscard]] bool any() const { return baked_.has_value(); }
     [[nodiscard]] const BakedScene& baked() const { return *baked_; }
+    [[nodiscard]] const SceneReport& report() const { return report_; }
     [[nodiscard]] bool isCoarse() const { return textures_ == TextureDetail::Coarse; }
     /// When the scene was made: changes since then are not in it.
     [[nodiscard]] Clock::time_point time() const { return time_; }
@@ -47,9 +45,9 @@ private:
     void upload(Renderer& renderer);
 
     ViewState& state_;
-    Readings& readings_;
     const std::atomic<bool>& ends_;
     std::optional<BakedScene> baked_;
+    SceneReport report_;                           ///< of baked_
     TextureDetail textures_ = TextureDetail::Full; ///< on the device
     Clock::time_point time_;                       ///< of baked_
     std::optional<BakedScene> next_;               ///< that thread's
