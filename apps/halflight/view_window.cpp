@@ -4,6 +4,7 @@
 #include "program.h"
 #include "terminal.h"
 #include "view_command.h"
+#include "view_texts.h"
 
 #include "halflight/scene/gltf.h"
 #include "halflight/view/view.h"
@@ -49,6 +50,8 @@ int openWindow(const ViewCommandOptions& given)
     view.frames = options.frames;
     view.loseDeviceAt = options.loseDeviceAt;
     view.cancel = &listenForInterrupts();
+    view.commandLine = commandLine;
+    view.settingsText = settingsFile;
     view.say = [](const std::string& line) {
         print("{}\n", printable(line));
         std::fflush(stdout); // others follow what the window does

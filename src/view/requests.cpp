@@ -5,7 +5,6 @@
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/files_in_use.h"
 #include "halflight/scene/gltf.h"
-#include "view/state/changes.h"
 
 #include <SDL.h>
 #include <spdlog/fmt/fmt.h>
@@ -59,23 +58,26 @@ void Viewer::frameSelection()
     state_.navigator.frame(edited_.boundsOf(state_.selectedObject), aspect());
 }
 
-std::string Viewer::currentCommand() const
+/// What is left out is a clause after a mention of the command line.
+ViewText Viewer::currentCommand() const
 {
-    if (bake_.status().hasResult)
-        return commandLine(state_, {bake_.file(), ""}, size_, edited_.scene(), shown_.baked().scene);
-    return commandLine(state_, {files_.file().string(), options_.settingsFile.string()}, size_, edited_.scene(),
-                       edited_.atLoad());
-}
-
-/// For people, after a mention of the command line.
-std::string Viewer::leftOutOfCommand() const
-{
-    if (bake_.runs()) return "; the command line has no light of the bake that runs";
-    if (bake_.hasUnsaved()) return "; its command line needs the saved bake (Ctrl-S)";
-    const bool changed = !bake_.status().hasResult || bake_.status().outOfDate;
-    const Scene& before = bake_.status().hasResult ? shown_.baked().scene : edited_.atLoad();
-    const std::string leftOut = leftOutOfCommandLine(state_, edited_.scene(), changed ? before : edited_.scene());
-    return leftOut.empty() ? "" : "; the command line cannot say " + leftOut;
+    const BakeStatus& status = bake_.status();
+    const Scene& ofResult = status.outOfDate ? shown_.baked().scene : edited_.scene();
+    ViewedPicture picture{.scene = edited_.scene(), .atLoad = status.hasResult ? ofResult : edited_.atLoad()};
+    picture.file = status.hasResult ? bake_.file() : files_.file().string();
+    if (!status.hasResult) picture.settingsFile = options_.settingsFile.string();
+    picture.camera = state_.navigator.camera();
+    picture.ahead = state_.navigator.target();
+    picture.render = state_.settings;
+    picture.render.size = size_;
+    picture.exposureEv = state_.exposureEv;
+    picture.toneMapping = state_.toneMapping;
+    picture.shadowDistanceGiven = !state_.followsShadowDistance;
+    ViewText command = options_.commandLine ? options_.commandLine(picture) : ViewText();
+    if (!command.leftOut.empty()) command.leftOut = "; the command line cannot say " + command.leftOut;
+    if (bake_.hasUnsaved()) command.leftOut = "; its command line needs the saved bake (Ctrl-S)";
+    if (bake_.runs()) command.leftOut = "; the command line has no light of the bake that runs";
+    return command;
 }
 
 Status Viewer::expose()
@@ -107,14 +109,17 @@ Status Viewer::takeScreenshot()
         notices_.tell(status.error().text());
         return {};
     }
-    notices_.say(fmt::format("{}: {}", file.string(), currentCommand()));
-    notices_.note("saved " + file.string() + leftOutOfCommand());
+    const ViewText command = currentCommand();
+    notices_.say(fmt::format("{}: {}", file.string(), command.text));
+    notices_.note("saved " + file.string() + command.leftOut);
     return {};
 }
 
 void Viewer::writeSettings()
 {
-    bake_.report(edited_.writeSettings(options_.settingsFile, files_.file()));
+    ViewText changes;
+    if (options_.settingsText) changes = options_.settingsText(edited_.scene(), edited_.atLoad());
+    bake_.report(edited_.writeSettings(changes, options_.settingsFile, files_.file()));
 }
 
 void Viewer::saveBake()
@@ -128,8 +133,9 @@ void Viewer::saveBake()
 
 void Viewer::copyCommand()
 {
-    SDL_SetClipboardText(currentCommand().c_str());
-    notices_.note("copied the command line" + leftOutOfCommand());
+    const ViewText command = currentCommand();
+    SDL_SetClipboardText(command.text.c_str());
+    notices_.note("copied the command line" + command.leftOut);
 }
 
 Status Viewer::answerRequests()

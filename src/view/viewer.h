@@ -89,8 +89,7 @@ private:
     void writeSettings();
     Status expose();
     Status takeScreenshot();
-    [[nodiscard]] std::string currentCommand() const;
-    [[nodiscard]] std::string leftOutOfCommand() const;
+    [[nodiscard]] ViewText currentCommand() const;
 
     const ViewOptions& options_;
     Notices notices_;

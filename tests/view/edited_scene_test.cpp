@@ -7,7 +7,6 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
-#include <spdlog/fmt/fmt.h>
 
 #include <memory>
 
@@ -82,17 +81,14 @@ TEST_F(EditedScenes, AreWrittenAsASettingsFileAfterTheRulesInUse)
     const std::filesystem::path mine = folder / "mine.toml";
     const std::string rules = "[[light]]\npattern = \"*\"\nintensity = 3\n";
     ASSERT_TRUE(writeFileAtomically(mine, rules));
-    baked.scene.lights[0].name = "sun";
     edited.beginFile(baked.scene);
-    EXPECT_EQ(edited.writeSettings(mine, "room.glb"), "nothing was changed");
-    for (const float intensity : {7.0f, 9.0f}) {
-        Light changed = edited.scene().lights[0];
-        changed.intensity = intensity;
-        edited.change(ChangeLight{0, changed}, *renderer, notices);
-        EXPECT_EQ(edited.writeSettings(mine, "room.glb"), "wrote " + (folder / "mine_2.toml").string());
-        EXPECT_EQ(textOf(folder / "mine_2.toml"),
-                  rules + fmt::format("\n[[light]]\npattern = \"sun\"\nintensity = {}\n\n", intensity));
-    }
+    EXPECT_EQ(edited.writeSettings({}, mine, "room.glb"), "nothing was changed");
+    const std::string wrote = "wrote " + (folder / "mine_2.toml").string();
+    EXPECT_EQ(edited.writeSettings({"one change", ""}, mine, "room.glb"), wrote);
+    EXPECT_EQ(textOf(folder / "mine_2.toml"), rules + "\none change");
+    EXPECT_EQ(edited.writeSettings({"another", "a place"}, mine, "room.glb"),
+              wrote + "; settings files cannot hold a place");
+    EXPECT_EQ(textOf(folder / "mine_2.toml"), rules + "\nanother") << "this session's own";
     EXPECT_EQ(textOf(mine), rules) << "it is the user's";
 }
 

@@ -24,6 +24,25 @@ struct ViewLoader {
     std::function<Result<Camera>(const Scene& scene, float aspect, bool isFirst)> camera;
 };
 
+/// The picture in the window, and what was changed of its scene.
+struct ViewedPicture {
+    std::string file;
+    std::string settingsFile; ///< empty without
+    Camera camera;
+    vec3 ahead{0.0f}; ///< a metre before the camera
+    RenderSettings render;
+    float exposureEv = 0.0f;
+    ToneMapping toneMapping = ToneMapping::Neutral;
+    bool shadowDistanceGiven = false;
+    const Scene& scene;  ///< as it is now
+    const Scene& atLoad; ///< as the files have it
+};
+
+struct ViewText {
+    std::string text;
+    std::string leftOut; ///< what it cannot say, for people; empty where it says all
+};
+
 struct ViewOptions {
     std::filesystem::path file;
     ViewLoader loader;
@@ -42,6 +61,10 @@ struct ViewOptions {
     std::vector<int> loseDeviceAt;             ///< for tests: after so many frames the device counts as lost
     int frames = 0;                            ///< ends after so many, 0 = when the window is closed
     const std::atomic<bool>* cancel = nullptr; ///< ends when set
+    /// The command line that renders the picture, for screenshots and the clipboard.
+    std::function<ViewText(const ViewedPicture& picture)> commandLine;
+    /// Changes of lights and objects as a settings file; empty where there are none.
+    std::function<ViewText(const Scene& scene, const Scene& atLoad)> settingsText;
     /// A line for people, e.g. a screenshot's command line.
     std::function<void(const std::string& line)> say;
 };

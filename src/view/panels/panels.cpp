@@ -47,7 +47,7 @@ void viewSection(const Shown& shown, Answer& answer)
     choice("shows", settings.view, kViews);
     if (settings.view != DebugView::Lit) ImGui::TextWrapped("%s", legendOf(settings.view));
     drag("exposure EV", state.exposureEv, 0.05f, -40.0f, 40.0f, "%.2f");
-    if (ImGui::Button("expose for this view")) answer.requests.push_back(Action::Expose);
+    if (ImGui::Button("expose for this view")) answer.requests.emplace_back(Action::Expose);
     choice("tone mapping", state.toneMapping,
            std::array{ToneMapping::Neutral, ToneMapping::Aces, ToneMapping::Agx, ToneMapping::None});
     choice("antialiasing", settings.supersampling, std::array{1, 2, 3, 4}, [](int side) {
@@ -64,13 +64,13 @@ void viewSection(const Shown& shown, Answer& answer)
     for (std::size_t i = 0; i < shown.scene.cameras.size(); ++i) {
         ImGui::PushID(int(i));
         if (ImGui::SmallButton(shownName("camera " + shown.scene.cameras[i].name).c_str()))
-            answer.requests.push_back(LookThrough{int(i)});
+            answer.requests.emplace_back(LookThrough{int(i)});
         ImGui::PopID();
     }
-    if (ImGui::Button("screenshot")) answer.requests.push_back(Action::Screenshot);
+    if (ImGui::Button("screenshot")) answer.requests.emplace_back(Action::Screenshot);
     ImGui::SameLine();
-    if (ImGui::Button("copy command line")) answer.requests.push_back(Action::CopyCommand);
-    if (ImGui::Button("reload the file")) answer.requests.push_back(Action::Reload);
+    if (ImGui::Button("copy command line")) answer.requests.emplace_back(Action::CopyCommand);
+    if (ImGui::Button("reload the file")) answer.requests.emplace_back(Action::Reload);
 }
 
 void shadowSection(const Shown& shown, Answer& answer)
@@ -115,7 +115,7 @@ void bakeSection(const Shown& shown, Answer& answer)
         if (status.cancelled)
             ImGui::TextUnformatted("The bake ends.");
         else if (ImGui::Button("cancel the bake"))
-            answer.requests.push_back(Action::CancelBake);
+            answer.requests.emplace_back(Action::CancelBake);
         return;
     }
     choice("baked mode", state.bake.mode,
@@ -125,15 +125,15 @@ void bakeSection(const Shown& shown, Answer& answer)
     if (ImGui::Checkbox("bakes directions", &directional)) state.bake.directional = directional;
     ImGui::Checkbox("glossy bounces", &state.bake.glossyBounces);
     ImGui::Checkbox("bakes reflection probes", &state.bake.reflectionProbes);
-    if (ImGui::Button("bake (B)")) answer.requests.push_back(Action::Bake);
+    if (ImGui::Button("bake (B)")) answer.requests.emplace_back(Action::Bake);
     if (status.outOfDate && shown.report.isBaked)
         ImGui::TextWrapped("Lights or objects changed since the bake that is shown.");
     if (!status.outcome.empty()) ImGui::TextWrapped("%s", status.outcome.c_str());
     std::array<char, 1024> path{};
     std::copy_n(state.bakeOutput.begin(), std::min(state.bakeOutput.size(), path.size() - 1), path.begin());
     if (ImGui::InputText("file", path.data(), path.size())) state.bakeOutput = path.data();
-    if (status.hasResult && ImGui::Button("save the baked file")) answer.requests.push_back(Action::Save);
-    if (ImGui::Button("write changes as a settings file")) answer.requests.push_back(Action::WriteSettings);
+    if (status.hasResult && ImGui::Button("save the baked file")) answer.requests.emplace_back(Action::Save);
+    if (ImGui::Button("write changes as a settings file")) answer.requests.emplace_back(Action::WriteSettings);
 }
 
 } // namespace
@@ -234,7 +234,7 @@ Answer answerKey(const Shown& shown, int key, bool control)
 {
     Answer answer{shown.choices, {}, {}};
     ViewState& state = answer.choices;
-    const auto ask = [&](Action action) { answer.requests.push_back(action); };
+    const auto ask = [&](Action action) { answer.requests.emplace_back(action); };
     if (control) {
         if (key == SDLK_s) ask(Action::Save);
         return answer;

@@ -62,7 +62,7 @@ void lightEditor(const Shown& shown, Answer& answer, int selected)
     any |= drag("bounced light", changed.indirectMultiplier, 0.01f, 0.0f, 100.0f, "x %.2f");
     markForBake(true);
     any |= ImGui::Checkbox("casts shadows", &changed.castShadows);
-    if (any) answer.changes.push_back(ChangeLight{selected, changed});
+    if (any) answer.changes.emplace_back(ChangeLight{selected, changed});
 }
 
 void objectEditor(const Scene& scene, Answer& answer, int selected)
@@ -76,16 +76,16 @@ void objectEditor(const Scene& scene, Answer& answer, int selected)
     markForBake(object.isStatic);
     changed |= ImGui::Checkbox("receives shadows", &switches.receiveShadows);
     markForBake(object.isStatic);
-    if (changed) answer.changes.push_back(switches);
+    if (changed) answer.changes.emplace_back(switches);
     dvec3 place = scene.originMeters + dvec3(object.worldFromObject[3]); // as the file has it
     constexpr float kSpeed = 0.01f;                                      // metres a pixel
     if (ImGui::DragScalarN("position m", ImGuiDataType_Double, &place.x, 3, kSpeed, nullptr, nullptr, "%.2f")) {
         mat4 moved = object.worldFromObject;
         moved[3] = vec4(vec3(place - scene.originMeters), 1.0f);
-        answer.changes.push_back(MoveObject{selected, moved});
+        answer.changes.emplace_back(MoveObject{selected, moved});
     }
     markForBake(object.isStatic);
-    if (ImGui::Button("look at it (F)")) answer.requests.push_back(Action::FrameSelection);
+    if (ImGui::Button("look at it (F)")) answer.requests.emplace_back(Action::FrameSelection);
 }
 
 } // namespace
@@ -139,7 +139,8 @@ void warningSection(const Shown& shown, Answer& answer)
         ImGui::Bullet();
         const ImVec2 size = ImGui::CalcTextSize(warnings[i].c_str(), nullptr, false, ImGui::GetContentRegionAvail().x);
         const ImVec2 at = ImGui::GetCursorPos();
-        if (ImGui::Selectable("##warning", false, 0, ImVec2(0.0f, size.y))) answer.requests.push_back(ShowSubject{i});
+        if (ImGui::Selectable("##warning", false, 0, ImVec2(0.0f, size.y)))
+            answer.requests.emplace_back(ShowSubject{i});
         ImGui::SetCursorPos(at);
         ImGui::TextWrapped("%s", warnings[i].c_str());
         ImGui::PopID();

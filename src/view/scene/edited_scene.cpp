@@ -2,7 +2,6 @@
 
 #include "halflight/base/file.h"
 #include "halflight/render/frame.h"
-#include "view/state/changes.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -108,17 +107,16 @@ Status EditedScene::writeChanges(const std::string& changes, const std::filesyst
     return writeFileAtomically(settingsFile_, text);
 }
 
-std::string EditedScene::writeSettings(const std::filesystem::path& before, const std::filesystem::path& sceneFile)
+std::string EditedScene::writeSettings(const ViewText& changes, const std::filesystem::path& before,
+                                       const std::filesystem::path& sceneFile)
 {
-    const std::string changes = settingsFile(scene_, atLoad_);
-    const std::string leftOut = leftOutOfSettings(scene_, atLoad_);
     std::string outcome = "nothing was changed";
-    if (!changes.empty()) {
+    if (!changes.text.empty()) {
         const std::filesystem::path stem = before.empty() ? sceneFile.stem() : before.parent_path() / before.stem();
-        const Status written = writeChanges(changes, before, stem);
+        const Status written = writeChanges(changes.text, before, stem);
         outcome = written ? "wrote " + settingsFile_.string() : written.error().text();
     }
-    if (!leftOut.empty()) outcome += "; settings files cannot hold " + leftOut;
+    if (!changes.leftOut.empty()) outcome += "; settings files cannot hold " + changes.leftOut;
     return outcome;
 }
 

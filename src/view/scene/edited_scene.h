@@ -1,6 +1,7 @@
 #pragma once
 // The scene as the user has changed it.
 
+#include "halflight/view/view.h"
 #include "view/state/notices.h"
 #include "view/state/requests.h"
 
@@ -34,9 +35,10 @@ public:
     [[nodiscard]] const std::vector<Bounds>& bounds() const { return bounds_; } ///< of each object
     [[nodiscard]] Bounds boundsOf(int object) const;                            ///< of all for -1
     [[nodiscard]] Clock::time_point lastChange() const { return lastChange_; }
-    /// Writes the changes as a settings file: `before`, the one in use, and the changes after it, which win; beside it,
-    /// or here, named as the scene's file. A file that another session wrote stays. What was done, for people.
-    std::string writeSettings(const std::filesystem::path& before, const std::filesystem::path& sceneFile);
+    /// Writes a settings file: `before`, the one in use, and the changes after it, which win; beside it, or here, named
+    /// as the scene's file. A file that another session wrote stays. What was done, for people.
+    std::string writeSettings(const ViewText& changes, const std::filesystem::path& before,
+                              const std::filesystem::path& sceneFile);
     /// A copy, the same one until the next change.
     std::shared_ptr<const Scene> snapshot();
 

@@ -1,10 +1,10 @@
-#include "view/state/changes.h"
+#include "view_texts.h"
 
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 
-namespace halflight::view {
+namespace halflight::cli {
 namespace {
 
 /// For a shell: everything within '…', which only the quote itself ends.
@@ -62,12 +62,11 @@ std::string degreesOf(float radians)
     return glm::radians(std::stof(text)) == radians ? text : fmt::format("{:.9g}", glm::degrees(double(radians)));
 }
 
-std::string cameraOptions(const Navigator& navigator, const Scene& scene)
+std::string cameraOptions(const Camera& camera, const vec3& ahead, const Scene& scene)
 {
-    const Camera camera = navigator.camera();
     if (const Camera* named = fileCamera(camera, scene)) return " --camera " + quoted(named->name);
     const dvec3 eye = scene.originMeters + dvec3(camera.worldFromCamera[3]);
-    const dvec3 target = scene.originMeters + dvec3(navigator.target());
+    const dvec3 target = scene.originMeters + dvec3(ahead);
     return fmt::format(" --eye {:.12g},{:.12g},{:.12g} --target {:.12g},{:.12g},{:.12g} --fov {}", eye.x, eye.y, eye.z,
                        target.x, target.y, target.z, degreesOf(camera.verticalFovRadians));
 }
@@ -120,22 +119,22 @@ void add(std::string& list, const std::string& what)
     list += (list.empty() ? "" : ", ") + what;
 }
 
-} // namespace
-
-std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2 size, const Scene& scene,
-                        const Scene& atLoad)
+std::string lineOf(const ViewedPicture& picture)
 {
-    const RenderSettings& settings = state.settings;
+    const RenderSettings& settings = picture.render;
+    const Scene& scene = picture.scene;
+    const Scene& atLoad = picture.atLoad;
     std::string line = fmt::format(
         "halflight render {} -o picture.png --size {}x{}{} --mode {} --path {} --samples {} --exposure {:.9g}",
-        quoted(files.scene), size.x, size.y, cameraOptions(state.navigator, scene), nameOf(settings.mode),
-        nameOf(settings.path), settings.supersampling * settings.supersampling, state.exposureEv);
+        quoted(picture.file), settings.size.x, settings.size.y, cameraOptions(picture.camera, picture.ahead, scene),
+        nameOf(settings.mode), nameOf(settings.path), settings.supersampling * settings.supersampling,
+        picture.exposureEv);
     const auto add = [&](const std::string& option) { line += " " + option; };
-    if (!files.settings.empty()) add("--settings " + quoted(files.settings));
+    if (!picture.settingsFile.empty()) add("--settings " + quoted(picture.settingsFile));
     if (scene.emissionScale != 1.0f) add("--emission-unit blender");
     if (settings.view != DebugView::Lit) add(fmt::format("--view {}", nameOf(settings.view)));
-    if (state.toneMapping != ToneMapping::Neutral) add(fmt::format("--tone-mapping {}", nameOf(state.toneMapping)));
-    if (!state.followsShadowDistance) add(fmt::format("--shadow-distance {:.6g}", settings.shadows.distanceMeters));
+    if (picture.toneMapping != ToneMapping::Neutral) add(fmt::format("--tone-mapping {}", nameOf(picture.toneMapping)));
+    if (picture.shadowDistanceGiven) add(fmt::format("--shadow-distance {:.6g}", settings.shadows.distanceMeters));
     const ShadowSettings defaults;
     const ShadowSettings& shadows = settings.shadows;
     if (shadows.fadeRangeMeters != defaults.fadeRangeMeters)
@@ -162,7 +161,7 @@ std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2
     return line;
 }
 
-std::string settingsFile(const Scene& scene, const Scene& atLoad)
+std::string rulesOf(const Scene& scene, const Scene& atLoad)
 {
     std::string text;
     const auto addRules = [&](const char* table, const auto& now, const auto& before) {
@@ -174,31 +173,6 @@ std::string settingsFile(const Scene& scene, const Scene& atLoad)
     };
     addRules("light", scene.lights, atLoad.lights);
     addRules("node", scene.objects, atLoad.objects);
-    return text;
-}
-
-std::string leftOutOfCommandLine(const ViewState& state, const Scene& scene, const Scene& atLoad)
-{
-    std::string text;
-    const Camera& camera = state.navigator.camera();
-    if (camera.orthographic && !fileCamera(camera, scene)) add(text, "an orthographic camera that was moved");
-    const ShadowSettings defaults;
-    const ShadowSettings& shadows = state.settings.shadows;
-    if (shadows.cascadeBlend != defaults.cascadeBlend) add(text, "how cascades blend");
-    if (shadows.directionalMapSize != defaults.directionalMapSize) add(text, "the size of cascades");
-    if (shadows.atlasSize != defaults.atlasSize) add(text, "the size of the shadow atlas");
-    if (shadows.pointShadows != defaults.pointShadows) add(text, "shadows of point lights off");
-    for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
-        Light said = atLoad.lights[i];
-        said.intensity = scene.lights[i].intensity;
-        said.color = scene.lights[i].color;
-        said.shadowStrength = scene.lights[i].shadowStrength;
-        if (!keysOf(scene.lights[i], said).empty()) add(text, "more changes of the light '" + said.name + "'");
-    }
-    for (std::size_t i = 0; i < scene.objects.size() && i < atLoad.objects.size(); ++i)
-        if (!keysOf(scene.objects[i], atLoad.objects[i]).empty())
-            add(text, "switches of '" + scene.objects[i].name + "'");
-    if (const std::string places = leftOutOfSettings(scene, atLoad); !places.empty()) add(text, places);
     return text;
 }
 
@@ -218,4 +192,43 @@ std::string leftOutOfSettings(const Scene& scene, const Scene& atLoad)
     return text;
 }
 
-} // namespace halflight::view
+std::string leftOutOfLine(const ViewedPicture& picture)
+{
+    std::string text;
+    const Scene& scene = picture.scene;
+    const Scene& atLoad = picture.atLoad;
+    const Camera& camera = picture.camera;
+    if (camera.orthographic && !fileCamera(camera, scene)) add(text, "an orthographic camera that was moved");
+    const ShadowSettings defaults;
+    const ShadowSettings& shadows = picture.render.shadows;
+    if (shadows.cascadeBlend != defaults.cascadeBlend) add(text, "how cascades blend");
+    if (shadows.directionalMapSize != defaults.directionalMapSize) add(text, "the size of cascades");
+    if (shadows.atlasSize != defaults.atlasSize) add(text, "the size of the shadow atlas");
+    if (shadows.pointShadows != defaults.pointShadows) add(text, "shadows of point lights off");
+    for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
+        Light said = atLoad.lights[i];
+        said.intensity = scene.lights[i].intensity;
+        said.color = scene.lights[i].color;
+        said.shadowStrength = scene.lights[i].shadowStrength;
+        if (!keysOf(scene.lights[i], said).empty()) add(text, "more changes of the light '" + said.name + "'");
+    }
+    for (std::size_t i = 0; i < scene.objects.size() && i < atLoad.objects.size(); ++i)
+        if (!keysOf(scene.objects[i], atLoad.objects[i]).empty())
+            add(text, "switches of '" + scene.objects[i].name + "'");
+    if (const std::string places = leftOutOfSettings(scene, atLoad); !places.empty()) add(text, places);
+    return text;
+}
+
+} // namespace
+
+ViewText commandLine(const ViewedPicture& picture)
+{
+    return {lineOf(picture), leftOutOfLine(picture)};
+}
+
+ViewText settingsFile(const Scene& scene, const Scene& atLoad)
+{
+    return {rulesOf(scene, atLoad), leftOutOfSettings(scene, atLoad)};
+}
+
+} // namespace halflight::cli
