@@ -1,19 +1,13 @@
 // Area lights as pixels: closed forms of their form factors, and the law in all modes, forward and deferred (spec S3,
 // S12, S13, S20).
-#include "render/law_scene.h"
-
-#include <glm/gtc/matrix_transform.hpp>
-#include <glm/gtc/packing.hpp>
+#include "render/law/plates.h"
 
 #include <cmath>
 
 namespace halflight::test::area_lights_test {
 namespace {
 
-constexpr ivec2 kSize{256, 144};
-const vec3 kAlbedo(0.6f, 0.5f, 0.4f);
-constexpr float kMask = 0.4f; // 102 / 255
-constexpr float kHeight = 4.0f;
+using namespace plates;
 
 Light areaLight(LightType type, vec3 direction)
 {
@@ -43,57 +37,18 @@ double irradianceByHand(const Light& light, vec3 point, vec3 normal)
     return sum * double(light.intensity * light.sizeMeters.x * height) / (kSide * kSide);
 }
 
-/// A purely diffuse floor, masked where x > 0 for the light's channel 1 and otherwise lit; the light 4 m up; a dynamic
-/// plate 1 m up on both sides of x = 0, and a static one beside it, whose shadow the mask does not know.
-struct AreaScene {
-    BakedScene baked;
-    vec3 eye{0, 0.8f, 9};
-    Camera camera = lookAt(eye, vec3(0, 0, 2), kPi / 3.0f);
+/// Above plates and floor that are purely diffuse.
+PlateScene areaScene(LightType type)
+{
+    PlateScene area(areaLight(type, vec3(0.1f, -1, 0.2f)));
+    area.baked.scene.materials[0].specular = 0.0f;
+    return area;
+}
 
-    explicit AreaScene(LightType type)
-    {
-        baked.isBaked = true;
-        Scene& scene = baked.scene;
-        const int material = addMaterial(scene, vec4(kAlbedo, 1.0f));
-        scene.materials[std::size_t(material)].specular = 0.0f;
-        addObject(scene, makeRectangle(20, 20, material), mat4(1.0f), true);
-        scene.objects[0].lightmap = {0, vec2(1.0f), vec2(0.0f)};
-        baked.lightmaps.emplace_back(64, 64, glm::packF3x9_E1x5(vec3(0.25f)));
-        ImageRgba8 mask(64, 64, u8vec4(255));
-        for (int y = 0; y < 64; ++y)
-            for (int x = 32; x < 64; ++x) mask(x, y) = u8vec4(0, 102, 0, 0);
-        baked.shadowmasks.push_back(mask);
-        // From z = 1 to z = 3 at height 1; the shadows from the light's middle end at z = 4.
-        addObject(scene, makeRectangle(2.4f, 2, material), glm::translate(mat4(1.0f), vec3(0, 1, 2)), false);
-        addObject(scene, makeRectangle(1.0f, 2, material), glm::translate(mat4(1.0f), vec3(2.0f, 1, 2)), true);
-        scene.lights.push_back(areaLight(type, vec3(0.1f, -1, 0.2f)));
-        bakeAsMixed(scene.lights[0], MixedLightingMode::Shadowmask, 1);
-    }
-    [[nodiscard]] vec3 pointAt(vec3 near, ivec2& pixel) const
-    {
-        pixel = pixelOf(camera, kSize, near);
-        return onPlane(pixelRay(camera, kSize, pixel), 0.0f);
-    }
-};
-
-struct Place {
-    vec3 point;
-    bool inDynamic;
-    bool inStatic;
-};
-const Place kPlaces[] = {{{-0.8f, 0, 3.6f}, true, false},
-                         {{0.8f, 0, 3.6f}, true, false},
-                         {{2.7f, 0, 3.6f}, false, true},
-                         {{-1.5f, 0, 4.5f}, false, false},
-                         {{0.9f, 0, 4.5f}, false, false}};
-
-using TypePath = std::tuple<LightType, RenderPath>;
 class AreaLawS3 : public RenderTest, public testing::WithParamInterface<TypePath> {};
 INSTANTIATE_TEST_SUITE_P(, AreaLawS3,
                          testing::Combine(testing::Values(LightType::Rectangle, LightType::Disk), kBothPaths),
-                         [](const auto& info) {
-                             return std::string(nameOf(std::get<0>(info.param))) + pathName(std::get<1>(info.param));
-                         });
+                         typePathName);
 
 // Without penumbrae realtime shadows are those of a light at its middle; the mask and the mode mix with them as for any
 // light.
@@ -103,32 +58,22 @@ TEST_P(AreaLawS3, EveryModeNearInTheFadeAndBeyond)
          {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask, RunMode::DistanceShadowmask}) {
         for (const float strength : {1.0f, 0.7f}) {
             for (const float distance : {12.0f, 7.0f, 4.0f}) {
-                AreaScene area(std::get<0>(GetParam()));
+                PlateScene area = areaScene(std::get<0>(GetParam()));
                 Light& light = area.baked.scene.lights[0];
                 light.shadowStrength = strength;
-                RenderSettings settings;
-                settings.mode = mode;
-                settings.path = std::get<1>(GetParam());
-                settings.size = kSize;
-                settings.shadows.distanceMeters = distance;
-                settings.shadows.fadeRangeMeters = 3.0f;
-                settings.shadows.atlasSize = 2048;
-                settings.shadows.penumbrae = false; // PenumbraeS2 tests these
-                const RenderedFrame frame = render(area.baked, area.camera, settings);
+                ShadowSettings shadows;
+                shadows.distanceMeters = distance;
+                shadows.penumbrae = false; // PenumbraeS2 tests these
+                const RenderedFrame frame = render(area.baked, area.camera, settingsFor(mode, GetParam(), shadows));
                 for (const Place& place : kPlaces) {
                     ivec2 pixel;
-                    const vec3 point = area.pointAt(place.point, pixel);
-                    const bool masked = mode == RunMode::Shadowmask || mode == RunMode::DistanceShadowmask;
-                    const bool shadowed = place.inDynamic || (place.inStatic && mode != RunMode::Shadowmask);
-                    const float fade =
-                        glm::clamp((glm::distance(area.eye, point) - distance) / 3.0f + 1.0f, 0.0f, 1.0f);
-                    const float attenuation = law::attenuationByHand(mode, masked, point.x > 0.0f ? kMask : 1.0f, true,
-                                                                     shadowed ? 0.0f : 1.0f, fade, strength);
+                    const vec3 point = area.pointAt(place.point, pixel).position;
+                    const float attenuation = area.attenuationAt(place, point, mode, distance);
                     double irradiance = double(attenuation) * irradianceByHand(light, point, vec3(0, 1, 0));
-                    if (mode != RunMode::Realtime) irradiance += 0.25;
+                    if (mode != RunMode::Realtime) irradiance += double(kIrradiance);
                     const vec3 expected = kAlbedo * float(irradiance / double(kPi));
                     EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), expected, 4.0e-3f, law::kAbsolute))
-                        << "mode " << int(mode) << " x " << point.x << " t " << fade;
+                        << "mode " << int(mode) << " x " << point.x << " t " << area.fadeAt(point, distance);
                 }
             }
         }
@@ -138,15 +83,13 @@ TEST_P(AreaLawS3, EveryModeNearInTheFadeAndBeyond)
 class AreaSubtractiveS22 : public RenderTest, public testing::WithParamInterface<TypePath> {};
 INSTANTIATE_TEST_SUITE_P(, AreaSubtractiveS22,
                          testing::Combine(testing::Values(LightType::Rectangle, LightType::Disk), kBothPaths),
-                         [](const auto& info) {
-                             return std::string(nameOf(std::get<0>(info.param))) + pathName(std::get<1>(info.param));
-                         });
+                         typePathName);
 
 // Area lights are never the main light: static receivers have all of their light in the lightmap, dynamic shadows or
 // not; dynamic receivers have it at run time, with the shadows of dynamic casters alone.
 TEST_P(AreaSubtractiveS22, LightmapOnStaticAndRealtimeOnDynamicReceivers)
 {
-    AreaScene area(std::get<0>(GetParam()));
+    PlateScene area = areaScene(std::get<0>(GetParam()));
     Scene& scene = area.baked.scene;
     area.baked.mode = MixedLightingMode::Subtractive;
     area.baked.shadowmasks.clear();
@@ -159,13 +102,10 @@ TEST_P(AreaSubtractiveS22, LightmapOnStaticAndRealtimeOnDynamicReceivers)
     scene.objects[3].castShadows = false;
     for (const float strength : {1.0f, 0.7f}) {
         light.shadowStrength = strength;
-        RenderSettings settings;
-        settings.mode = RunMode::Subtractive;
-        settings.path = std::get<1>(GetParam());
-        settings.size = kSize;
-        settings.shadows.distanceMeters = 40.0f;
-        settings.shadows.atlasSize = 2048;
-        const RenderedFrame frame = render(area.baked, area.camera, settings);
+        ShadowSettings shadows;
+        shadows.distanceMeters = 40.0f;
+        const RenderedFrame frame =
+            render(area.baked, area.camera, settingsFor(RunMode::Subtractive, GetParam(), shadows));
         const auto check = [&](vec3 place, bool dynamicReceiver, float attenuation) {
             const ivec2 pixel = pixelOf(area.camera, kSize, place);
             const vec3 point = onPlane(pixelRay(area.camera, kSize, pixel), place.y);

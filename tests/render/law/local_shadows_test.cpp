@@ -1,94 +1,28 @@
 // S3, S4. Spot and point lights near, within the fade and beyond the shadow distance, with and without mask, realtime
 // map and caster; several shadowed spots at once.
-#include "render/law_scene.h"
-
-#include <glm/gtc/matrix_transform.hpp>
-#include <glm/gtc/packing.hpp>
-
-#include <cmath>
+#include "render/law/plates.h"
 
 namespace halflight::test::local_shadows_test {
 namespace {
 
-constexpr ivec2 kSize{256, 144};
-const vec3 kAlbedo(0.6f, 0.5f, 0.4f);
-constexpr float kMask = 0.4f; // 102 / 255
+using namespace plates;
 
-/// A floor, masked where x > 0 for the light's channel 1 and otherwise lit; a light 4 m up; a dynamic plate 1 m up on
-/// both sides of x = 0, and a static one beside it, whose shadow the mask does not know.
-struct LocalScene {
-    BakedScene baked;
-    vec3 eye{0, 0.8f, 9};
-    Camera camera = lookAt(eye, vec3(0, 0, 2), kPi / 3.0f);
-    static constexpr float kHeight = 4.0f;
+PlateScene localScene(LightType type)
+{
+    Light light;
+    light.type = type;
+    light.worldFromLight = lightPose(vec3(0, kHeight, 0), type == LightType::Spot ? vec3(0, -1, 0.3f) : vec3(0, -1, 0));
+    light.intensity = 50.0f;
+    light.rangeMeters = 20.0f;
+    light.innerConeRadians = 0.7f;
+    light.outerConeRadians = 0.9f;
+    return PlateScene(light);
+}
 
-    explicit LocalScene(LightType type)
-    {
-        baked.isBaked = true;
-        Scene& scene = baked.scene;
-        const int material = addMaterial(scene, vec4(kAlbedo, 1.0f));
-        addObject(scene, makeRectangle(20, 20, material), mat4(1.0f), true);
-        scene.objects[0].lightmap = {0, vec2(1.0f), vec2(0.0f)};
-        baked.lightmaps.emplace_back(64, 64, glm::packF3x9_E1x5(vec3(0.25f)));
-        ImageRgba8 mask(64, 64, u8vec4(255));
-        for (int y = 0; y < 64; ++y)
-            for (int x = 32; x < 64; ++x) mask(x, y) = u8vec4(0, 102, 0, 0);
-        baked.shadowmasks.push_back(mask);
-        // From z = 1 to z = 3 at height 1; the shadows end at z = 4.
-        addObject(scene, makeRectangle(2.4f, 2, material), glm::translate(mat4(1.0f), vec3(0, 1, 2)), false);
-        addObject(scene, makeRectangle(1.0f, 2, material), glm::translate(mat4(1.0f), vec3(2.0f, 1, 2)), true);
-        Light light;
-        light.type = type;
-        light.worldFromLight =
-            lightPose(vec3(0, kHeight, 0), type == LightType::Spot ? vec3(0, -1, 0.3f) : vec3(0, -1, 0));
-        light.intensity = 50.0f;
-        light.rangeMeters = 20.0f;
-        light.innerConeRadians = 0.7f;
-        light.outerConeRadians = 0.9f;
-        bakeAsMixed(light, MixedLightingMode::Shadowmask, 1);
-        scene.lights.push_back(light);
-    }
-    [[nodiscard]] ShadedPoint pointAt(vec3 near, ivec2& pixel) const
-    {
-        pixel = pixelOf(camera, kSize, near);
-        const Ray ray = pixelRay(camera, kSize, pixel);
-        return {onPlane(ray, 0.0f), vec3(0, 1, 0), -ray.direction, kAlbedo};
-    }
-};
-
-/// Places of the floor in front of the plates, as the camera sees them: in the dynamic plate's shadow left and right,
-/// in the static plate's, and lit left and right.
-struct Place {
-    vec3 point;
-    bool inDynamic;
-    bool inStatic;
-};
-const Place kPlaces[] = {{{-0.8f, 0, 3.6f}, true, false},
-                         {{0.8f, 0, 3.6f}, true, false},
-                         {{2.7f, 0, 3.6f}, false, true},
-                         {{-1.5f, 0, 4.5f}, false, false},
-                         {{0.9f, 0, 4.5f}, false, false}};
-
-using TypePath = std::tuple<LightType, RenderPath>;
-class LocalLawS3S4 : public RenderTest, public testing::WithParamInterface<TypePath> {
-protected:
-    RenderedFrame draw(const LocalScene& local, RunMode mode, const ShadowSettings& shadows)
-    {
-        RenderSettings settings;
-        settings.mode = mode;
-        settings.path = std::get<1>(GetParam());
-        settings.size = kSize;
-        settings.shadows = shadows;
-        settings.shadows.atlasSize = 2048;
-        return render(local.baked, local.camera, settings);
-    }
-};
+class LocalLawS3S4 : public RenderTest, public testing::WithParamInterface<TypePath> {};
 INSTANTIATE_TEST_SUITE_P(, LocalLawS3S4,
                          testing::Combine(testing::Values(LightType::Spot, LightType::Point), kBothPaths),
-                         [](const auto& info) {
-                             return std::string(std::get<0>(info.param) == LightType::Spot ? "Spot" : "Point") +
-                                    pathName(std::get<1>(info.param));
-                         });
+                         typePathName);
 
 TEST_P(LocalLawS3S4, NearInTheFadeAndBeyond)
 {
@@ -96,27 +30,21 @@ TEST_P(LocalLawS3S4, NearInTheFadeAndBeyond)
          {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask, RunMode::DistanceShadowmask}) {
         for (const float strength : {1.0f, 0.7f}) {
             for (const float distance : {12.0f, 8.0f, 7.0f, 6.2f, 4.0f}) {
-                LocalScene local(std::get<0>(GetParam()));
+                PlateScene local = localScene(std::get<0>(GetParam()));
                 Light& light = local.baked.scene.lights[0];
                 light.shadowStrength = strength;
                 ShadowSettings shadows;
                 shadows.distanceMeters = distance;
-                shadows.fadeRangeMeters = 3.0f;
-                const RenderedFrame frame = draw(local, mode, shadows);
+                const RenderedFrame frame = render(local.baked, local.camera, settingsFor(mode, GetParam(), shadows));
                 for (const Place& place : kPlaces) {
                     ivec2 pixel;
                     const ShadedPoint point = local.pointAt(place.point, pixel);
-                    const bool masked = mode == RunMode::Shadowmask || mode == RunMode::DistanceShadowmask;
-                    const bool shadowed = place.inDynamic || (place.inStatic && mode != RunMode::Shadowmask);
-                    const float fade =
-                        glm::clamp((glm::distance(local.eye, point.position) - distance) / 3.0f + 1.0f, 0.0f, 1.0f);
-                    const float attenuation =
-                        law::attenuationByHand(mode, masked, point.position.x > 0.0f ? kMask : 1.0f, true,
-                                               shadowed ? 0.0f : 1.0f, fade, strength);
+                    const float attenuation = local.attenuationAt(place, point.position, mode, distance);
                     vec3 expected = directRadiance(point, light, attenuation);
-                    if (mode != RunMode::Realtime) expected += indirectRadiance(point, vec3(0.25f));
+                    if (mode != RunMode::Realtime) expected += indirectRadiance(point, vec3(kIrradiance));
                     EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), expected, 2.0e-3f, law::kAbsolute))
-                        << "mode " << int(mode) << " x " << point.position.x << " t " << fade;
+                        << "mode " << int(mode) << " x " << point.position.x << " t "
+                        << local.fadeAt(point.position, distance);
                 }
             }
         }
@@ -129,24 +57,23 @@ TEST_P(LocalLawS3S4, WithoutMapTheMaskAtEveryDistance)
     for (const RunMode mode : {RunMode::Shadowmask, RunMode::DistanceShadowmask}) {
         for (const float distance : {40.0f, 7.0f, 4.0f}) {
             for (const bool noCaster : {false, true}) {
-                LocalScene local(std::get<0>(GetParam()));
+                PlateScene local = localScene(std::get<0>(GetParam()));
                 ShadowSettings shadows;
                 shadows.distanceMeters = distance;
-                shadows.fadeRangeMeters = 3.0f;
                 if (noCaster)
                     for (Object& object : local.baked.scene.objects) object.castShadows = false;
                 else if (std::get<0>(GetParam()) == LightType::Point)
                     shadows.pointShadows = false;
                 else
                     continue;
-                const RenderedFrame frame = draw(local, mode, shadows);
+                const RenderedFrame frame = render(local.baked, local.camera, settingsFor(mode, GetParam(), shadows));
                 EXPECT_FALSE(frame.plan.lights[0].hasRealtimeShadow);
                 for (const Place& place : kPlaces) {
                     ivec2 pixel;
                     const ShadedPoint point = local.pointAt(place.point, pixel);
                     const vec3 expected =
                         directRadiance(point, local.baked.scene.lights[0], point.position.x > 0.0f ? kMask : 1.0f) +
-                        indirectRadiance(point, vec3(0.25f));
+                        indirectRadiance(point, vec3(kIrradiance));
                     EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), expected)) << int(mode);
                 }
             }
