@@ -2,6 +2,8 @@
 // be is known: a diffuse surface of albedo rho under irradiance E reflects rho E / pi; glTF's dielectric and metal by
 // their BRDF, written out here a second time.
 
+#include "pipeline/floor.h"
+
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/render/renderer.h"
@@ -43,18 +45,7 @@ Scene makePlane(const Surface& surface)
     material.roughness = surface.roughness;
     material.specular = surface.specular;
     scene.materials.push_back(material);
-    MeshPart part;
-    part.positions = {vec3(-4, 0, 4), vec3(4, 0, 4), vec3(4, 0, -4), vec3(-4, 0, -4)};
-    part.normals.assign(4, vec3(0, 1, 0));
-    part.indices = {0, 1, 2, 0, 2, 3};
-    part.material = 0;
-    Mesh mesh;
-    mesh.parts.push_back(std::move(part));
-    scene.meshes.push_back(std::move(mesh));
-    Object floor;
-    floor.name = "floor";
-    floor.mesh = 0;
-    scene.objects.push_back(floor);
+    test::addFloor(scene, 4.0f);
     scene.sky = {vec3(0.0f), vec3(0.0f), vec3(0.0f)};
     Camera camera;
     camera.orthographic = true;

@@ -1,5 +1,7 @@
 // Pictures of lit surfaces: a plane under a sun, of known radiance.
 
+#include "pipeline/floor.h"
+
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/bake_cpu/surface_pictures.h"
@@ -34,19 +36,7 @@ Scene makeFloor(bool textured)
         material.alphaMode = Material::AlphaMode::Mask;
     }
     scene.materials.push_back(material);
-    MeshPart part;
-    part.positions = {vec3(-2, 0, 2), vec3(2, 0, 2), vec3(2, 0, -2), vec3(-2, 0, -2)};
-    part.normals.assign(4, vec3(0, 1, 0));
-    part.uv[0] = {vec2(0, 1), vec2(1, 1), vec2(1, 0), vec2(0, 0)};
-    part.indices = {0, 1, 2, 0, 2, 3};
-    part.material = 0;
-    Mesh mesh;
-    mesh.parts.push_back(std::move(part));
-    scene.meshes.push_back(std::move(mesh));
-    Object floor;
-    floor.name = "floor";
-    floor.mesh = 0;
-    scene.objects.push_back(floor);
+    test::addFloor(scene, 2.0f);
     Light sun;
     sun.name = "sun";
     sun.type = LightType::Directional;

@@ -1,6 +1,7 @@
 #include "atlas_check.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <fmt/format.h>
@@ -48,6 +49,20 @@ bool touches(const dvec2 (&c)[3], int x, int y)
         if (highT < lowS || highS < lowT) return false;
     }
     return true;
+}
+
+/// Of a page of size x size.
+std::vector<std::array<int, 2>> texelsTouched(const dvec2 (&c)[3], int size)
+{
+    const int x0 = std::max(int(std::floor(std::min({c[0].x, c[1].x, c[2].x}))), 0);
+    const int y0 = std::max(int(std::floor(std::min({c[0].y, c[1].y, c[2].y}))), 0);
+    const int x1 = std::min(int(std::floor(std::max({c[0].x, c[1].x, c[2].x}))), size - 1);
+    const int y1 = std::min(int(std::floor(std::max({c[0].y, c[1].y, c[2].y}))), size - 1);
+    std::vector<std::array<int, 2>> texels;
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x)
+            if (touches(c, x, y)) texels.push_back({x, y});
+    return texels;
 }
 
 /// Area that two triangles have in common, by clipping one with the other (Sutherland and Hodgman 1974).
@@ -162,36 +177,28 @@ AtlasCheck checkAtlas(const UnwrappedScene& unwrapped, int paddingTexels)
             const PageTriangle& triangle = triangles[t];
             if (triangle.page != page) continue;
             const auto& c = triangle.corners;
-            const int x0 = std::max(int(std::floor(std::min({c[0].x, c[1].x, c[2].x}))), 0);
-            const int y0 = std::max(int(std::floor(std::min({c[0].y, c[1].y, c[2].y}))), 0);
-            const int x1 = std::min(int(std::floor(std::max({c[0].x, c[1].x, c[2].x}))), size - 1);
-            const int y1 = std::min(int(std::floor(std::max({c[0].y, c[1].y, c[2].y}))), size - 1);
-            for (int y = y0; y <= y1; ++y) {
-                for (int x = x0; x <= x1; ++x) {
-                    if (!touches(c, x, y)) continue;
-                    uint32_t& mine = owner(x, y);
-                    if (mine == kFree) ++check.coveredTexels;
-                    if (mine != kFree && mine != triangle.chart) {
-                        check.fault = fmt::format("texel {},{} of page {} belongs to charts {} and {}", x, y, page,
-                                                  mine, triangle.chart);
+            for (const auto& [x, y] : texelsTouched(c, size)) {
+                uint32_t& mine = owner(x, y);
+                if (mine == kFree) ++check.coveredTexels;
+                if (mine != kFree && mine != triangle.chart) {
+                    check.fault = fmt::format("texel {},{} of page {} belongs to charts {} and {}", x, y, page, mine,
+                                              triangle.chart);
+                    return check;
+                }
+                mine = triangle.chart;
+                if (triangle.degenerate || !triangle.first) continue;
+                auto& others = inTexel[std::size_t(y) * std::size_t(size) + std::size_t(x)];
+                const double area = 0.5 * std::abs(doubleArea(c));
+                for (const uint32_t other : others) {
+                    const double least = std::min(area, 0.5 * std::abs(doubleArea(triangles[other].corners)));
+                    const double common = commonArea(c, triangles[other].corners);
+                    if (common > 1e-3 && common > 0.01 * least) {
+                        check.fault = fmt::format("triangles {} and {} overlap by {} texels at texel {},{} of page {}",
+                                                  other, t, common, x, y, page);
                         return check;
                     }
-                    mine = triangle.chart;
-                    if (triangle.degenerate || !triangle.first) continue;
-                    auto& others = inTexel[std::size_t(y) * std::size_t(size) + std::size_t(x)];
-                    const double area = 0.5 * std::abs(doubleArea(c));
-                    for (const uint32_t other : others) {
-                        const double least = std::min(area, 0.5 * std::abs(doubleArea(triangles[other].corners)));
-                        const double common = commonArea(c, triangles[other].corners);
-                        if (common > 1e-3 && common > 0.01 * least) {
-                            check.fault =
-                                fmt::format("triangles {} and {} overlap by {} texels at texel {},{} of page {}", other,
-                                            t, common, x, y, page);
-                            return check;
-                        }
-                    }
-                    if (others.size() < 256) others.push_back(t);
                 }
+                if (others.size() < 256) others.push_back(t);
             }
         }
         for (int y = 0; y < size; ++y) {
@@ -232,28 +239,20 @@ std::string findSharedTexel(const UnwrappedScene& unwrapped)
         const Object& object = unwrapped.scene.objects[std::size_t(triangle.object)];
         if (kept[std::size_t(object.mesh)] == 3) return fmt::format("mesh {} is kept and is not", object.mesh);
         const bool chartsMayMeet = kept[std::size_t(object.mesh)] == 1;
-        const auto& c = triangle.corners;
-        const int x0 = std::max(int(std::floor(std::min({c[0].x, c[1].x, c[2].x}))), 0);
-        const int y0 = std::max(int(std::floor(std::min({c[0].y, c[1].y, c[2].y}))), 0);
-        const int x1 = std::min(int(std::floor(std::max({c[0].x, c[1].x, c[2].x}))), size - 1);
-        const int y1 = std::min(int(std::floor(std::max({c[0].y, c[1].y, c[2].y}))), size - 1);
-        for (int y = y0; y <= y1; ++y) {
-            for (int x = x0; x <= x1; ++x) {
-                if (!touches(c, x, y)) continue;
-                Owner& owner = pages[std::size_t(triangle.page)](x, y);
-                if (owner.object >= 0 && owner.object != triangle.object) {
-                    return fmt::format("texel {},{} of page {} belongs to objects {} and {}", x, y, triangle.page,
-                                       owner.object, triangle.object);
-                }
-                if (owner.solid && !triangle.degenerate && !chartsMayMeet && owner.chart != triangle.chart) {
-                    return fmt::format("texel {},{} of page {} belongs to two charts of object {}", x, y, triangle.page,
-                                       triangle.object);
-                }
-                owner.object = triangle.object;
-                if (triangle.degenerate) continue;
-                owner.chart = triangle.chart;
-                owner.solid = true;
+        for (const auto& [x, y] : texelsTouched(triangle.corners, size)) {
+            Owner& owner = pages[std::size_t(triangle.page)](x, y);
+            if (owner.object >= 0 && owner.object != triangle.object) {
+                return fmt::format("texel {},{} of page {} belongs to objects {} and {}", x, y, triangle.page,
+                                   owner.object, triangle.object);
             }
+            if (owner.solid && !triangle.degenerate && !chartsMayMeet && owner.chart != triangle.chart) {
+                return fmt::format("texel {},{} of page {} belongs to two charts of object {}", x, y, triangle.page,
+                                   triangle.object);
+            }
+            owner.object = triangle.object;
+            if (triangle.degenerate) continue;
+            owner.chart = triangle.chart;
+            owner.solid = true;
         }
     }
     return {};
