@@ -15,15 +15,19 @@ class RecordProperty extends ExtensionProperty {
     }
 }
 
-/** HALFLIGHT_mixed_lighting of the document: its pictures and probes by reference, the rest as a record. */
-export class MixedLighting extends RecordProperty {
-    static EXTENSION_NAME = MIXED_LIGHTING;
+/** The class of an extension's record on properties of a kind. */
+const recordOf = (extension, type, parent) => class extends RecordProperty {
+    static EXTENSION_NAME = extension;
 
     init() {
-        this.extensionName = MIXED_LIGHTING;
-        this.propertyType = 'HalflightMixedLighting';
-        this.parentTypes = [PropertyType.ROOT];
+        this.extensionName = extension;
+        this.propertyType = type;
+        this.parentTypes = [parent];
     }
+};
+
+/** HALFLIGHT_mixed_lighting of the document: its pictures and probes by reference, the rest as a record. */
+export class MixedLighting extends recordOf(MIXED_LIGHTING, 'HalflightMixedLighting', PropertyType.ROOT) {
     getDefaults() {
         return Object.assign(super.getDefaults(), {
             pictures: new RefMap(),
@@ -58,51 +62,20 @@ export class MixedLighting extends RecordProperty {
 }
 
 /** HALFLIGHT_node of a node with a mesh. */
-export class NodeLighting extends RecordProperty {
-    static EXTENSION_NAME = NODE;
-
-    init() {
-        this.extensionName = NODE;
-        this.propertyType = 'HalflightNode';
-        this.parentTypes = [PropertyType.NODE];
-    }
+export class NodeLighting extends recordOf(NODE, 'HalflightNode', PropertyType.NODE) {
     getDefaults() {
         return Object.assign(super.getDefaults(), { mesh: -1 });
     }
 }
 
 /** HALFLIGHT_light of a node with a light. */
-export class LightRecord extends RecordProperty {
-    static EXTENSION_NAME = LIGHT;
-
-    init() {
-        this.extensionName = LIGHT;
-        this.propertyType = 'HalflightLight';
-        this.parentTypes = [PropertyType.NODE];
-    }
-}
+export class LightRecord extends recordOf(LIGHT, 'HalflightLight', PropertyType.NODE) {}
 
 /** A light of EXT_lights_area, which nodes share. */
-export class AreaLight extends RecordProperty {
-    static EXTENSION_NAME = AREA_LIGHTS;
-
-    init() {
-        this.extensionName = AREA_LIGHTS;
-        this.propertyType = 'AreaLight';
-        this.parentTypes = [PropertyType.NODE];
-    }
-}
+export class AreaLight extends recordOf(AREA_LIGHTS, 'AreaLight', PropertyType.NODE) {}
 
 /** HALFLIGHT_material. */
-export class MaterialSwitches extends RecordProperty {
-    static EXTENSION_NAME = MATERIAL;
-
-    init() {
-        this.extensionName = MATERIAL;
-        this.propertyType = 'HalflightMaterial';
-        this.parentTypes = [PropertyType.MATERIAL];
-    }
-}
+export class MaterialSwitches extends recordOf(MATERIAL, 'HalflightMaterial', PropertyType.MATERIAL) {}
 
 /**
  * Makes the material of a node's primitive differ from all others while tools work, and tells them that it reads the
