@@ -10,6 +10,7 @@
 #include <array>
 #include <cfloat>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace halflight::view {
@@ -213,6 +214,11 @@ Answer drawPanels(const Shown& shown)
 
 namespace {
 
+constexpr std::pair<int, Action> kActions[] = {{SDLK_b, Action::Bake},           {SDLK_ESCAPE, Action::Leave},
+                                               {SDLK_f, Action::FrameSelection}, {SDLK_x, Action::Expose},
+                                               {SDLK_F5, Action::Reload},        {SDLK_F11, Action::ToggleFullScreen},
+                                               {SDLK_F12, Action::Screenshot}};
+
 /// Nothing, the light before the bake, another mode, the reference, in turn.
 void compareNext(const Shown& shown, ViewState& state)
 {
@@ -233,33 +239,30 @@ void compareNext(const Shown& shown, ViewState& state)
 Answer answerKey(const Shown& shown, int key, bool control)
 {
     Answer answer{shown.choices, {}, {}};
-    ViewState& state = answer.choices;
-    const auto ask = [&](Action action) { answer.requests.emplace_back(action); };
     if (control) {
-        if (key == SDLK_s) ask(Action::Save);
+        if (key == SDLK_s) answer.requests.emplace_back(Action::Save);
         return answer;
     }
-    if (key >= SDLK_1 && key <= SDLK_5) {
+    for (const auto& [actionKey, action] : kActions)
+        if (key == actionKey) answer.requests.emplace_back(action);
+    ViewState& state = answer.choices;
+    RenderSettings& settings = state.settings;
+    switch (key) {
+    case SDLK_1:
+    case SDLK_2:
+    case SDLK_3:
+    case SDLK_4:
+    case SDLK_5: {
         const auto mode = RunMode(key - SDLK_1);
         const std::vector<RunMode>& modes = shown.report.modes;
-        if (std::find(modes.begin(), modes.end(), mode) != modes.end()) state.settings.mode = mode;
-        return answer;
+        if (std::find(modes.begin(), modes.end(), mode) != modes.end()) settings.mode = mode;
+        break;
     }
-    switch (key) {
     case SDLK_p:
-        state.settings.path = state.settings.path == RenderPath::Forward ? RenderPath::Deferred : RenderPath::Forward;
+        settings.path = settings.path == RenderPath::Forward ? RenderPath::Deferred : RenderPath::Forward;
         break;
     case SDLK_v:
-        state.settings.view = kViews[(std::size_t(state.settings.view) + 1) % kViews.size()];
-        break;
-    case SDLK_f:
-        ask(Action::FrameSelection);
-        break;
-    case SDLK_b:
-        ask(Action::Bake);
-        break;
-    case SDLK_x:
-        ask(Action::Expose);
+        settings.view = kViews[(std::size_t(settings.view) + 1) % kViews.size()];
         break;
     case SDLK_c:
         compareNext(shown, state);
@@ -268,20 +271,8 @@ Answer answerKey(const Shown& shown, int key, bool control)
         state.compares = !(state.compares && state.compareWith == Compare::Reference);
         state.compareWith = Compare::Reference;
         break;
-    case SDLK_F5:
-        ask(Action::Reload);
-        break;
-    case SDLK_F11:
-        ask(Action::ToggleFullScreen);
-        break;
-    case SDLK_F12:
-        ask(Action::Screenshot);
-        break;
     case SDLK_TAB:
         state.panels = !state.panels;
-        break;
-    case SDLK_ESCAPE:
-        ask(Action::Leave);
         break;
     default:
         break;
