@@ -1,6 +1,7 @@
 #include "transport/probes.h"
 
 #include "transport/sample/running_moments.h"
+#include "transport/sample/share_rays.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/shading/sampling.h"
@@ -8,11 +9,14 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 namespace halflight {
 namespace {
 
 constexpr uint32_t kProbeSeed = 0x5eed0003u;
+/// Baked lights whose shadows a probe traces with all its shadow rays. More lights share the rays of so many.
+constexpr std::size_t kLightsWithOwnRays = 64;
 
 class ProbeTracer {
 public:
@@ -28,7 +32,7 @@ public:
         // Of a channel's lights at most one reaches a point.
         paths_.light().forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
             if (light.channel >= 0 && light.reaches(position))
-                estimate.occlusion[light.channel] = visibility(light, l, id, position, rays);
+                estimate.occlusion[light.channel] = visibility(light, l, shadowSamples(), id, position, rays);
         });
         return estimate;
     }
@@ -64,44 +68,60 @@ private:
         estimate.valid = backFaces * 4 < samples_;
     }
 
-    /// A fully baked light is a delta distribution of directions: its coefficients are illuminance times basis
-    /// functions. Of an area light they are those of its samples.
+    /// Light of the lights that are fully baked.
     void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
     {
+        std::vector<uint32_t> lights;
+        std::vector<float> weights;
         paths_.light().forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
             if (!light.directAtProbes) return;
-            if (light.isArea()) {
-                addAreaLight(light, l, id, position, estimate, rays);
-                return;
-            }
-            const shading::LightSample sample = light.at(position);
-            if (sample.illuminance == vec3(0.0f)) return;
-            const float visible = visibility(light, l, id, position, rays);
-            const vec3 illuminance = sample.illuminance * glm::mix(1.0f, visible, light.shadowStrength);
-            for (int i = 0; i < 9; ++i)
-                estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, sample.direction);
+            const float weight = luminance(illuminanceOf(light, position));
+            if (weight <= 0.0f) return;
+            lights.push_back(l);
+            weights.push_back(weight);
+        });
+        const float u = unitFloat(hashCombine(settings_.seed ^ kShadowSeed, id));
+        shareRays(weights, shadowSamples(), kLightsWithOwnRays, u, [&](std::size_t i, int count, float scale) {
+            addBakedLight(lights[i], count, scale, id, position, estimate, rays);
         });
     }
 
-    void addAreaLight(const PunctualLight& light, uint32_t index, uint32_t id, vec3 position, ProbeEstimate& estimate,
-                      uint64_t& rays) const
+    /// From all directions, without shadows; of an area light about that.
+    static vec3 illuminanceOf(const PunctualLight& light, vec3 position)
     {
-        if (!light.reaches(position)) return;
-        const vec3 radiance = light.radianceAt(position) / float(shadowSamples());
-        forLightRays(light, index, id, position, rays, [&](const LightRay& ray, float visible) {
-            const vec3 arriving = radiance * (ray.solidAngle * glm::mix(1.0f, visible, light.shadowStrength));
+        if (!light.isArea()) return light.at(position).illuminance;
+        return light.reaches(position) ? light.radianceAt(position) * light.roughSolidAngle(position) : vec3(0.0f);
+    }
+
+    /// A light without a size is a delta distribution of directions: its coefficients are illuminance times basis
+    /// functions. Of an area light they are those of its samples.
+    void addBakedLight(uint32_t index, int count, float scale, uint32_t id, vec3 position, ProbeEstimate& estimate,
+                       uint64_t& rays) const
+    {
+        const PunctualLight& light = paths_.light().lights()[index];
+        const auto add = [&](vec3 illuminance, vec3 direction) {
             for (int i = 0; i < 9; ++i)
-                estimate.radiance[std::size_t(i)] += arriving * shading::shBasis(i, ray.direction);
+                estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, direction);
+        };
+        if (!light.isArea()) {
+            const shading::LightSample sample = light.at(position);
+            const float visible = visibility(light, index, count, id, position, rays);
+            add(sample.illuminance * (scale * glm::mix(1.0f, visible, light.shadowStrength)), sample.direction);
+            return;
+        }
+        const vec3 radiance = light.radianceAt(position) * (scale / float(count));
+        forLightRays(light, index, count, id, position, rays, [&](const LightRay& ray, float visible) {
+            add(radiance * (ray.solidAngle * glm::mix(1.0f, visible, light.shadowStrength)), ray.direction);
         });
     }
 
     [[nodiscard]] int shadowSamples() const { return std::max(settings_.shadowSamples, 16); }
 
-    /// Calls visit(ray, visibility) for each shadow ray to the light.
-    template<typename Visit> void forLightRays(const PunctualLight& light, uint32_t lightIndex, uint32_t id,
+    /// Calls visit(ray, visibility) for each of `count` shadow rays to the light.
+    template<typename Visit> void forLightRays(const PunctualLight& light, uint32_t lightIndex, int count, uint32_t id,
                                                vec3 position, uint64_t& rays, const Visit& visit) const
     {
-        for (int s = 0; s < shadowSamples(); ++s) {
+        for (int s = 0; s < count; ++s) {
             Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(~id, lightIndex), uint32_t(s));
             const LightRay ray = sampleLightRay(light, position, shading::sampleDisc(sampler.next2()));
             if (light.isArea() && ray.solidAngle <= 0.0f) continue;
@@ -110,11 +130,12 @@ private:
     }
 
     /// Share of the light that arrives; of an area light, of its illuminance from all directions together.
-    float visibility(const PunctualLight& light, uint32_t lightIndex, uint32_t id, vec3 position, uint64_t& rays) const
+    float visibility(const PunctualLight& light, uint32_t lightIndex, int count, uint32_t id, vec3 position,
+                     uint64_t& rays) const
     {
         float sum = 0.0f;
         float all = 0.0f;
-        forLightRays(light, lightIndex, id, position, rays, [&](const LightRay& ray, float visible) {
+        forLightRays(light, lightIndex, count, id, position, rays, [&](const LightRay& ray, float visible) {
             const float weight = light.isArea() ? ray.solidAngle : 1.0f;
             sum += weight * visible;
             all += weight;

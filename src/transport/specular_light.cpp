@@ -1,18 +1,24 @@
 // What surfaces reflect by their specular lobes: the truth that reflection probes are judged by.
 
 #include "transport/reflections.h"
+#include "transport/sample/share_rays.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf_sampling.h"
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 namespace halflight {
 namespace {
 
 constexpr uint32_t kSpecularSeed = 0x5eed0009u;
+constexpr uint32_t kLightSeed = 0x5eed000au;
 /// Paths per point and view. Judgements are sums over many points, where their noise averages out.
 constexpr int kPaths = 12;
+/// Lights of which each gets a shadow ray per path. More lights share these rays.
+constexpr std::size_t kLightsWithOwnRays = 4;
 
 class SpecularTracer {
 public:
@@ -27,10 +33,10 @@ public:
             vec3 sum(0.0f);
             for (int s = 0; s < kPaths; ++s) {
                 Sampler sampler(settings_.seed ^ kSpecularSeed, index, uint32_t(v) * uint32_t(kPaths) + uint32_t(s));
-                sum += reflected(surface, point, views[v], sampler, rays) +
-                       bakedLights(surface, point, views[v], sampler, rays);
+                sum += reflected(surface, point, views[v], sampler, rays);
             }
-            result.radiance.push_back(sum / float(kPaths));
+            const uint32_t id = hashCombine(index, uint32_t(v));
+            result.radiance.push_back(sum / float(kPaths) + bakedLights(surface, point, views[v], id, rays));
         }
         return result;
     }
@@ -61,27 +67,68 @@ private:
     }
 
     /// Highlights of the lights whose direct light is in the lightmap.
-    vec3 bakedLights(const SurfaceReflectance& surface, const SurfacePoint& point, vec3 view, Sampler& sampler,
+    vec3 bakedLights(const SurfaceReflectance& surface, const SurfacePoint& point, vec3 view, uint32_t id,
                      uint64_t& rays) const
     {
-        vec3 sum(0.0f);
+        std::vector<const PunctualLight*> lights;
+        std::vector<float> weights;
         paths_.light().forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
             if (!light.directAtTexels && !light.maskOfLight) return;
-            const vec2 disc = shading::sampleDisc(sampler.next2());
-            vec3 highlight;
-            if (light.isArea()) {
-                const LightRay ray = sampleLightRay(light, point.position, disc);
-                highlight =
-                    specular(surface, point, view, ray.direction, light.radianceAt(point.position) * ray.solidAngle);
-            } else {
-                const shading::LightSample incoming = light.at(point.position);
-                highlight = specular(surface, point, view, incoming.direction, incoming.illuminance);
+            const float weight = highlightOf(surface, point, view, light);
+            if (weight <= 0.0f) return;
+            lights.push_back(&light);
+            weights.push_back(weight);
+        });
+        const uint32_t seed = settings_.seed ^ kLightSeed;
+        vec3 sum(0.0f);
+        const float u = unitFloat(hashCombine(seed, id));
+        shareRays(weights, kPaths, kLightsWithOwnRays, u, [&](std::size_t i, int count, float scale) {
+            vec3 ofLight(0.0f);
+            for (int s = 0; s < count; ++s) {
+                Sampler sampler(seed, hashCombine(id, uint32_t(i)), uint32_t(s));
+                ofLight += highlight(surface, point, view, *lights[i], shading::sampleDisc(sampler.next2()), rays);
             }
-            if (highlight == vec3(0.0f)) return;
-            sum += highlight *
-                   glm::mix(1.0f, paths_.direct().lightVisibility(light, point, disc, rays), light.shadowStrength);
+            sum += ofLight * (scale / float(count));
         });
         return sum;
+    }
+
+    /// Of the part of a light that a point of the unit disc stands for.
+    vec3 highlight(const SurfaceReflectance& surface, const SurfacePoint& point, vec3 view, const PunctualLight& light,
+                   vec2 disc, uint64_t& rays) const
+    {
+        vec3 unshadowed;
+        if (light.isArea()) {
+            const LightRay ray = sampleLightRay(light, point.position, disc);
+            unshadowed =
+                specular(surface, point, view, ray.direction, light.radianceAt(point.position) * ray.solidAngle);
+        } else {
+            const shading::LightSample incoming = light.at(point.position);
+            unshadowed = specular(surface, point, view, incoming.direction, incoming.illuminance);
+        }
+        if (unshadowed == vec3(0.0f)) return unshadowed;
+        const float transmittance = paths_.direct().lightVisibility(light, point, disc, rays);
+        return unshadowed * glm::mix(1.0f, transmittance, light.shadowStrength);
+    }
+
+    /// About a light's highlight without shadows; more than 0 where it has one. An area light counts as a point in a
+    /// lobe that is wider by its size (Karis 2013, "Real Shading in Unreal Engine 4", section on area lights).
+    static float highlightOf(const SurfaceReflectance& surface, const SurfacePoint& point, vec3 view,
+                             const PunctualLight& light)
+    {
+        if (!light.isArea()) {
+            const shading::LightSample incoming = light.at(point.position);
+            return luminance(specular(surface, point, view, incoming.direction, incoming.illuminance));
+        }
+        if (!light.reaches(point.position)) return 0.0f;
+        constexpr float kLeastCosine = 0.01f; // part of a light may be above the horizon where its middle is not
+        const float solidAngle = light.roughSolidAngle(point.position);
+        const float alpha = std::min(shading::ggxAlphaOf(surface.roughness) + 0.5f * std::sqrt(solidAngle), 1.0f);
+        vec3 direction = glm::normalize(light.position - point.position);
+        direction += point.normal * std::max(kLeastCosine - glm::dot(point.normal, direction), 0.0f);
+        const vec3 illuminance = light.radianceAt(point.position) * solidAngle;
+        return luminance(shading::reflectSpecular(surface.f0(), surface.f90(), alpha, point.normal, view,
+                                                  glm::normalize(direction), illuminance));
     }
 
     const PathTracer& paths_;

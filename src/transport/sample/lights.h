@@ -7,6 +7,8 @@
 #include "halflight/shading/area_sampling.h"
 #include "halflight/shading/light.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace halflight {
@@ -77,6 +79,15 @@ struct PunctualLight {
     {
         const vec3 toCenter = position - point;
         return colorIntensity * shading::rangeWindow(glm::dot(toCenter, toCenter), range);
+    }
+    /// About the steradians of an area light that reaches a point, at least those of its middle. More than 0.
+    [[nodiscard]] float roughSolidAngle(vec3 point) const
+    {
+        const vec3 toCenter = position - point;
+        const float distance = std::max(glm::length(toCenter), 1.0e-6f);
+        const float size = 0.5f * std::sqrt(area) / distance;
+        const float facing = std::min(-glm::dot(axis, toCenter) / distance + size, 1.0f);
+        return std::min(4.0f * size * size * facing, 2.0f * kPi);
     }
     /// Unoccluded irradiance by the part of the light that `ray` from the point stands for; its mean over the unit disc
     /// is irradianceAt().
