@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
+#include <numeric>
 #include <span>
 
 namespace halflight {
@@ -20,6 +20,8 @@ constexpr int kMostChannels = kMostMaskLayers * kLayerChannels;
 constexpr int kColoringBudget = 4'000'000;
 constexpr std::size_t kMaxRecolored = 128;
 constexpr int64_t kPairsOfAllAttempts = 500'000'000;
+/// Steps of backtracking that take as long as colouring all in smallest-last order.
+constexpr int kSmallestLastSteps = 8;
 
 /// Bounding sphere of the points that a light reaches; of a spot's, the smaller of two spheres around its cone.
 struct Reach {
@@ -152,23 +154,29 @@ struct Coloring {
 bool colorSmallestLast(const Graph& graph, std::span<const int> nodes, int colors, std::vector<int>& color)
 {
     std::vector<int> left(graph.size(), -1); // overlaps with nodes that are not taken away; -1: not listed, or taken
-    std::set<std::pair<int, int>> queue;
     for (const int node : nodes) left[std::size_t(node)] = 0;
+    std::vector<std::vector<int>> byLeft(nodes.size()); // nodes that had so many left; `left` tells who still has
     for (const int node : nodes) {
         for (const int other : graph[std::size_t(node)]) left[std::size_t(node)] += left[std::size_t(other)] >= 0;
-        queue.emplace(left[std::size_t(node)], node);
+        byLeft[std::size_t(left[std::size_t(node)])].push_back(node);
     }
     std::vector<int> order;
-    while (!queue.empty()) {
-        const int node = queue.begin()->second;
-        queue.erase(queue.begin());
+    for (int fewest = 0; order.size() < nodes.size();) {
+        std::vector<int>& some = byLeft[std::size_t(fewest)];
+        if (some.empty()) {
+            ++fewest;
+            continue;
+        }
+        const int node = some.back();
+        some.pop_back();
+        if (left[std::size_t(node)] != fewest) continue;
         left[std::size_t(node)] = -1;
         order.push_back(node);
         for (const int other : graph[std::size_t(node)]) {
-            int& count = left[std::size_t(other)];
-            if (count < 0) continue;
-            queue.erase({count, other});
-            queue.emplace(--count, other);
+            if (left[std::size_t(other)] < 0) continue;
+            const int count = --left[std::size_t(other)];
+            byLeft[std::size_t(count)].push_back(other);
+            fewest = std::min(fewest, count);
         }
     }
     for (auto node = order.rbegin(); node != order.rend(); ++node) {
@@ -193,7 +201,7 @@ public:
         const bool few = nodes.size() <= kMaxRecolored;
         std::size_t overlaps = 0;
         for (const int other : nodes) overlaps += graph_[std::size_t(other)].size();
-        int budget = few ? kColoringBudget / int(nodes.size() * nodes.size()) : 1;
+        int budget = few ? kColoringBudget / int(nodes.size() * nodes.size()) : kSmallestLastSteps;
         pairsLeft_ -= int64_t(overlaps) * budget;
         if (pairsLeft_ < 0) return false;
         std::vector<int> recolored = color;
@@ -210,19 +218,39 @@ private:
     int64_t pairsLeft_ = kPairsOfAllAttempts;
 };
 
+/// Which lights overlap: compared are those whose reaches overlap along X.
+Graph overlapsOf(const std::vector<const Light*>& lights)
+{
+    const std::size_t n = lights.size();
+    std::vector<float> least(n);
+    std::vector<float> most(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const Reach reach = reachOf(*lights[i]);
+        least[i] = reach.center.x - reach.radius;
+        most[i] = reach.center.x + reach.radius;
+    }
+    std::vector<int> alongX(n);
+    std::iota(alongX.begin(), alongX.end(), 0);
+    std::sort(alongX.begin(), alongX.end(),
+              [&](int a, int b) { return least[std::size_t(a)] < least[std::size_t(b)]; });
+    Graph graph(n);
+    for (auto a = alongX.begin(); a != alongX.end(); ++a) {
+        for (auto b = a + 1; b != alongX.end() && least[std::size_t(*b)] <= most[std::size_t(*a)]; ++b) {
+            if (!lightsOverlap(*lights[std::size_t(*a)], *lights[std::size_t(*b)])) continue;
+            graph[std::size_t(*a)].push_back(*b);
+            graph[std::size_t(*b)].push_back(*a);
+        }
+    }
+    for (std::vector<int>& others : graph) std::sort(others.begin(), others.end());
+    return graph;
+}
+
 /// Greedy colouring, important lights first, with the lowest free channel. If none is free, the lights connected to it
 /// are coloured again; if that fails, the light gets no channel.
 Coloring colorLights(const std::vector<const Light*>& lights, int channels)
 {
     const std::size_t n = lights.size();
-    Graph graph(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t j = i + 1; j < n; ++j) {
-            if (!lightsOverlap(*lights[i], *lights[j])) continue;
-            graph[i].push_back(int(j));
-            graph[j].push_back(int(i));
-        }
-    }
+    const Graph graph = overlapsOf(lights);
     Coloring result;
     result.holders.resize(n);
     std::vector<int>& color = result.channel;
