@@ -28,6 +28,8 @@ void addSampling(CLI::App& app, BakeSettings& bake)
            "rays or paths per texel, about (default by quality); with --noise, the most");
     addPercent(app, "--noise", bake.noiseTarget, 0.1f, 100.0f,
                "noise at which a texel has enough samples, such as 2% (default: --samples on average)");
+    addSeconds(app, "--time", bake.seconds, kLeastSeconds, 100.0 * 3600.0,
+               "time that the bake may take, such as 30s, 5m or 1.5h: it measures, and chooses --samples");
     addChoice<int>(
         app, "--texel-step", bake.texelStep, {{"auto", 0}, {"1", 1}, {"2", 2}, {"4", 4}},
         "2 or 4: trace every so many texels whatever is around them, and those in between only where light can "

@@ -18,6 +18,8 @@
 
 namespace halflight::cli {
 
+inline constexpr double kLeastSeconds = 1.0; ///< of --time
+
 struct BakeOptions {
     std::filesystem::path scene;
     std::filesystem::path output;

@@ -192,6 +192,27 @@ CLI::Option* addPercent(CLI::App& app, const std::string& name, float& value, fl
         "PERCENT", help);
 }
 
+CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, double min, double max,
+                        const std::string& help)
+{
+    const auto parse = [](std::string text, double& seconds) {
+        const char unit = text.empty() ? ' ' : text.back();
+        const double factor = unit == 'h' ? 3600.0 : unit == 'm' ? 60.0 : 1.0;
+        if (unit == 'h' || unit == 'm' || unit == 's') text.pop_back();
+        const bool isNumber = parseNumber(text, seconds);
+        seconds *= factor;
+        return isNumber;
+    };
+    const auto check = [=](const std::string& text) {
+        double seconds = 0.0;
+        if (parse(text, seconds) && seconds >= min && seconds <= max) return std::string();
+        return fmt::format("must be a time from {:g} seconds to {:g} hours, such as 30s, 5m or 1.5h, not '{}'", min,
+                           max / 3600.0, text);
+    };
+    return addChecked(
+        app, name, check, [&value, parse](const std::string& text) { parse(text, value); }, "TIME", help);
+}
+
 namespace {
 
 template<typename T> CLI::Option* addThree(CLI::App& app, const std::string& name, glm::vec<3, T>& value, T min, T max,

@@ -78,6 +78,9 @@ CLI::Option* addFloat(CLI::App& app, const std::string& name, float& value, floa
 /// "2%" or "2"; limits in percent, the value as a share.
 CLI::Option* addPercent(CLI::App& app, const std::string& name, float& value, float min, float max,
                         const std::string& help);
+/// "90", "90s", "1.5m" or "2h"; limits and value in seconds.
+CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, double min, double max,
+                        const std::string& help);
 /// "x,y,z".
 CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float min, float max,
                      const std::string& metavar, const std::string& help);

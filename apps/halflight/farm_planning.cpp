@@ -101,6 +101,14 @@ std::string uniqueName(const FarmPlan& plan, const std::string& stem)
     return name;
 }
 
+/// What is wrong with a line of a farm, as a sentence; empty when nothing is.
+std::string contradictionOf(const BakeLine& line)
+{
+    if (line.options.bake.seconds > 0.0)
+        return "--time measures the machine that bakes, and a farm has several: --samples N says how many samples";
+    return contradiction(*line.app, line.options);
+}
+
 /// Adds a scene to the plan. `culprit`: the file of an error.
 Status planScene(const PlanOptions& options, const fs::path& file, const std::vector<std::string>& words, bool several,
                  const Progress& progress, FarmPlan& plan, fs::path& culprit)
@@ -147,7 +155,7 @@ int runPlan(const CLI::App& app, const PlanOptions& options)
         PlannedScene any;
         any.options = words;
         BakeLine line(plan.bakeArguments(any, "plan.glb"));
-        if (const std::string sentence = contradiction(*line.app, line.options); !sentence.empty())
+        if (const std::string sentence = contradictionOf(line); !sentence.empty())
             return wrongUsage("farm plan", sentence);
     }
     OutputFolders folders;
@@ -193,7 +201,7 @@ std::string wrongPlanOptions(const std::vector<std::string>& words)
         std::vector<std::string> arguments = {"bake", "scene.glb", "-o", "plan.glb"};
         arguments.insert(arguments.end(), words.begin(), words.end());
         const BakeLine line(arguments);
-        return contradiction(*line.app, line.options);
+        return contradictionOf(line);
     } catch (const CLI::ParseError& error) {
         return error.what();
     }

@@ -56,7 +56,7 @@ def type_of(option):
         return "float"
     if value == "N" or re.fullmatch(r"\d+\.\.\d+", value):
         return "int"
-    if value == "PERCENT":
+    if value in ("PERCENT", "TIME"):
         return "Union[float, str]"
     if value == "WxH":
         return "Union[Tuple[int, int], str]"

@@ -14,6 +14,7 @@
 #include "bake/report/bake_report.h"
 #include "bake/seams/seams.h"
 #include "bake/sides/hidden_sides.h"
+#include "bake/time_limit.h"
 
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
@@ -33,23 +34,18 @@
 namespace halflight {
 namespace {
 
-/// What the texels have in common goes with the end of this stage.
-Status irradianceStage(const BakeRun& run, const CachedIntegrator& cached, std::span<IrradianceEstimate> estimates)
-{
-    const std::unique_ptr<PreparedLightmap> lightmap = cached.prepare();
-    return run.live != nullptr ? run.live->irradiance(cached, *lightmap, estimates, run.progress)
-                               : cached.irradiance(*lightmap, estimates, run.progress);
-}
-
 /// Estimates of all texels; in subtractive bakes also the main light's mask and direct light.
-Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::vector<IrradianceEstimate>& estimates,
-                     std::optional<MainLight>& main)
+Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::unique_ptr<PreparedLightmap> lightmap,
+                     std::vector<IrradianceEstimate>& estimates, std::optional<MainLight>& main)
 {
     BakeReport& report = run.report();
     Integrator& integrator = cached.integrator;
     StageTimer timer(report, "lightmap");
     const uint64_t earlier = integrator.raysTraced();
-    if (Status s = irradianceStage(run, cached, estimates); !s) return s;
+    const Status status = run.live != nullptr ? run.live->irradiance(cached, *lightmap, estimates, run.progress)
+                                              : cached.irradiance(*lightmap, estimates, run.progress);
+    if (!status) return status;
+    lightmap.reset(); // what the texels have in common
     timer.finish(integrator.raysTraced() - earlier);
     main = findMainLight(run.baked().scene);
     if (main) {
@@ -226,54 +222,88 @@ Status reflectionStage(const BakeRun& run, const CachedIntegrator& cached)
     return {};
 }
 
-/// From estimates to pages, and all stages after them. Pages are made in the background while others trace: to make
-/// seams equal takes one thread a while.
-Status pagesAndProbes(const BakeRun& run, const CachedIntegrator& cached, std::vector<IrradianceEstimate>& estimates,
-                      const std::vector<SeamSample>& seams, const std::optional<MainLight>& main)
-{
-    const std::vector<uint8_t> valid = validTexels(estimates);
-    BakeReport pagesReport; // of the background, which must not write to the bake's own
-    pagesReport.began = run.report().began;
-    Status made;
-    Status traced;
-    Background pages;
-    pages.run([&] { made = lightmapPagesStage(run, cached, estimates, valid, main, seams, pagesReport); });
-    inIsolation([&] {
-        traced = shadowmaskStage(run, cached, valid, seams, pagesReport, pages);
-        if (traced) traced = probeStage(run, cached);
-    });
-    pages.wait();
-    if (!traced) return traced;
-    if (!made) return made;
-    std::vector<StageReport>& stages = run.report().stages;
-    stages.insert(stages.end(), pagesReport.stages.begin(), pagesReport.stages.end());
-    std::ranges::stable_sort(stages, {}, &StageReport::start);
-    if (run.images != nullptr) run.noteImages(dumpPages(run.settings, "lightmap", run.result.irradiance, *run.images));
-    BakedScene& baked = run.baked();
-    for (LightReport& light : run.report().lights)
-        light.distanceMask = light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
-    if (main) {
-        if (run.settings.subtractiveMask)
-            baked.shadowmasks = maskPages(cached, valid, seams, main->mask(), false,
-                                          std::span(baked.maskChannels).first<kLayerChannels>());
-        reportMainLight(baked, *main, run.settings, run.report());
-    }
-    return reflectionStage(run, cached);
-}
-
 /// All stages that trace rays or work on their results.
-Status traceStages(const BakeRun& run, const CachedIntegrator& cached)
-{
-    std::vector<IrradianceEstimate> estimates = largeVector<IrradianceEstimate>(cached.map.texels.size());
-    std::optional<MainLight> main;
-    if (Status s = lightmapStage(run, cached, estimates, main); !s) return s;
-    StageTimer timer(run.report(), "find seams");
-    std::vector<SeamSample> seams = findSeams(cached.geometry, cached.map.pageSize);
-    if (Status s = dropHiddenSeams(cached.integrator, seams); !s) return s;
-    timer.finish();
-    if (Status s = denoiseStage(run, cached, seams, estimates); !s) return s;
-    return pagesAndProbes(run, cached, estimates, seams, main);
-}
+class TraceStages {
+public:
+    /// `began`: when the bake did, by secondsNow().
+    TraceStages(const BakeRun& run, const CachedIntegrator& cached, double began)
+        : run_(run), cached_(cached), began_(began), lightmap_(cached.prepare()), valid_(validTexels(cached.map))
+    {
+        pagesReport_.began = run.report().began;
+    }
+
+    Status trace()
+    {
+        const bool timed = run_.settings.seconds > 0.0;
+        if (timed) {
+            // What is left for the lightmap is known once the others are done.
+            if (Status s = findSeams(); !s) return s;
+            if (Status s = masksAndProbes(); !s) return s;
+            pages_.wait();
+            if (Status s = chooseSamples(run_, began_, cached_, *lightmap_); !s) return s;
+        }
+        if (Status s = lightmapStage(run_, cached_, std::move(lightmap_), estimates_, main_); !s) return s;
+        if (!timed)
+            if (Status s = findSeams(); !s) return s;
+        if (Status s = denoiseStage(run_, cached_, seams_, estimates_); !s) return s;
+        // Pages are made in the background while others trace: to make seams equal takes one thread a while.
+        Status made;
+        Status traced;
+        pages_.run([&] { made = lightmapPagesStage(run_, cached_, estimates_, valid_, main_, seams_, pagesReport_); });
+        if (!timed) inIsolation([&] { traced = masksAndProbes(); });
+        pages_.wait();
+        if (!traced) return traced;
+        if (!made) return made;
+        return finish();
+    }
+
+private:
+    Status findSeams()
+    {
+        StageTimer timer(run_.report(), "find seams");
+        seams_ = halflight::findSeams(cached_.geometry, cached_.map.pageSize);
+        if (Status s = dropHiddenSeams(cached_.integrator, seams_); !s) return s;
+        timer.finish();
+        return {};
+    }
+
+    Status masksAndProbes()
+    {
+        if (Status s = shadowmaskStage(run_, cached_, valid_, seams_, pagesReport_, pages_); !s) return s;
+        return probeStage(run_, cached_);
+    }
+
+    Status finish()
+    {
+        BakeReport& report = run_.report();
+        report.stages.insert(report.stages.end(), pagesReport_.stages.begin(), pagesReport_.stages.end());
+        std::ranges::stable_sort(report.stages, {}, &StageReport::start);
+        if (run_.images != nullptr)
+            run_.noteImages(dumpPages(run_.settings, "lightmap", run_.result.irradiance, *run_.images));
+        BakedScene& baked = run_.baked();
+        for (LightReport& light : report.lights)
+            light.distanceMask =
+                light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
+        if (main_) {
+            if (run_.settings.subtractiveMask)
+                baked.shadowmasks = maskPages(cached_, valid_, seams_, main_->mask(), false,
+                                              std::span(baked.maskChannels).first<kLayerChannels>());
+            reportMainLight(baked, *main_, run_.settings, report);
+        }
+        return reflectionStage(run_, cached_);
+    }
+
+    const BakeRun& run_;
+    const CachedIntegrator& cached_;
+    double began_;
+    std::unique_ptr<PreparedLightmap> lightmap_; ///< of the time before the lightmap
+    std::vector<IrradianceEstimate> estimates_ = largeVector<IrradianceEstimate>(cached_.map.texels.size());
+    std::vector<uint8_t> valid_;
+    std::vector<SeamSample> seams_;
+    std::optional<MainLight> main_;
+    BakeReport pagesReport_; ///< of the background, which must not write to the bake's own
+    Background pages_;       ///< ends before what it works on
+};
 
 } // namespace
 
@@ -292,6 +322,10 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
                         const Progress& progress, LiveLight* live)
 {
     const auto start = StageTimer::Clock::now();
+    const double began = secondsNow(settings);
+    if (settings.seconds > 0.0 &&
+        (settings.samples > 0 || settings.noiseTarget > 0.0f || !settings.cacheDirectory.empty()))
+        return Error{ErrorCode::InvalidArgument, "a bake that ends at a time chooses its samples, and uses no cache"};
     const ThreadLimit threads(settings.threads);
     BakeResult result;
     BakeReport& report = result.report;
@@ -305,7 +339,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     if (Status status = validityStage(run, firstStages); !status) return status.error();
     std::optional<BakeCache>& cache = firstStages.cache;
     const CachedIntegrator cached = firstStages.cached();
-    if (Status status = traceStages(run, cached); !status) return status.error();
+    if (Status status = TraceStages(run, cached, began).trace(); !status) return status.error();
 
     if (cache) {
         cache->finish();

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <utility>
 
 namespace halflight {
 namespace {
@@ -168,6 +169,12 @@ public:
     Status prepareParts(const Progress& progress) override
     {
         return isCached() ? cached_.prepareParts(progress, all_.rays_) : Status();
+    }
+
+    bool setSamples(int samples) override
+    {
+        const int before = std::exchange(all_.settings_.samples, samples);
+        return cached_.samplesChanged(before);
     }
 
 private:

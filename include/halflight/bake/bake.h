@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,6 +52,10 @@ struct BakeSettings {
     /// most that a texel gets, 4096 if it is 0. 0 = no target.
     float noiseTarget = 0.0f;
     int texelStep = 0; ///< CacheSettings::texelStep
+    /// Seconds that the bake, with the writing of its file, may take: it measures, and chooses `samples`, which must be
+    /// 0. Not with a noise target or a cache. 0 = no limit.
+    double seconds = 0.0;
+    std::function<double()> clock; ///< seconds, for that limit; empty = of the machine
     InstructionSet isa = InstructionSet::Automatic;
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = as many as fit one page; without a lightmapSize at most sceneDensity()

@@ -194,6 +194,9 @@ public:
     virtual Status prepareAll(const Progress& progress) = 0;
     /// The parts of prepareAll() that farm workers share, without what each would do by itself with them.
     virtual Status prepareParts(const Progress& progress) = 0;
+    /// In place of IntegrationSettings::samples, from now on. Results are those of an integrator made with that number.
+    /// False: what texels have in common does not serve it, and is computed anew.
+    virtual bool setSamples(int samples) = 0;
 };
 
 /// Estimates light by tracing rays. Results depend on the scene, the settings and the texel or probe alone: not on

@@ -51,12 +51,12 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
 {
     // Structured bindings name every setting: a new setting is a compile error here. The hash leaves out settings that
     // qualityOf() replaces, those that change no byte of the output file, the instruction set, which is part of
-    // the identity, and `only`.
+    // the identity, `only`, and a time limit, with which no bake is kept.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
-                                  noiseTarget, texelStep, isa, uvMode, texelsPerMeter, lightmapSize, paddingTexels,
-                                  twoSided, denoiser, directional, maskEncoding, mostMaskLayers, subtractiveMask,
-                                  probeSpacingMeters, probeLayout, reflectionProbes, threads, seed, imagesDirectory,
-                                  cacheDirectory, mixedIdentities, only] = settings;
+                                  noiseTarget, texelStep, seconds, clock, isa, uvMode, texelsPerMeter, lightmapSize,
+                                  paddingTexels, twoSided, denoiser, directional, maskEncoding, mostMaskLayers,
+                                  subtractiveMask, probeSpacingMeters, probeLayout, reflectionProbes, threads, seed,
+                                  imagesDirectory, cacheDirectory, mixedIdentities, only] = settings;
     const BakeQuality q = qualityOf(settings, scene);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));

@@ -63,10 +63,10 @@ std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages)
     return encoded;
 }
 
-std::vector<uint8_t> validTexels(const std::vector<IrradianceEstimate>& estimates)
+std::vector<uint8_t> validTexels(const TexelMap& map)
 {
-    std::vector<uint8_t> valid(estimates.size());
-    forEachIndex(estimates.size(), [&](std::size_t i) { valid[i] = estimates[i].valid ? 1 : 0; });
+    std::vector<uint8_t> valid(map.texels.size());
+    forEachIndex(map.texels.size(), [&](std::size_t i) { valid[i] = map.texels[i].validPoints != 0 ? 1 : 0; });
     return valid;
 }
 

@@ -15,7 +15,7 @@ struct TexelValues {
 };
 TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates);
 /// 1 for each texel that is not inside geometry.
-std::vector<uint8_t> validTexels(const std::vector<IrradianceEstimate>& estimates);
+std::vector<uint8_t> validTexels(const TexelMap& map);
 
 /// Lux per unit of the encoded lightmap: the smallest power of two, 1 or more, for which no finite texel is clamped. A
 /// power of two changes no mantissa.

@@ -1,6 +1,7 @@
 #include "transport/lightmap/cached_lightmap.h"
 
 #include "transport/guiding/build_guides.h"
+#include "transport/radiosity/form_factors.h"
 
 #include "halflight/base/mathematics.h"
 #include "halflight/base/memory.h"
@@ -144,6 +145,16 @@ Status CachedLightmap::prepareAll(const Progress& progress, std::atomic<uint64_t
     if (map_.texels.empty()) return {};
     if (Status s = prepare(progress, rays); !s) return s;
     return settings_.cache.noiseTarget > 0.0f ? Status() : findScale(progress, rays);
+}
+
+bool CachedLightmap::samplesChanged(int before)
+{
+    if (state_ == nullptr) return true;
+    state_->scale = 0.0f;
+    state_->firstPass.reset();
+    if (takesManySamples(before) == takesManySamples(settings_.samples)) return true;
+    state_.reset();
+    return false;
 }
 
 Status CachedLightmap::irradiance(std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,

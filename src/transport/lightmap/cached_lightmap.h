@@ -22,6 +22,9 @@ public:
     /// The radiance cache, the guides, and the scale of the sample plan.
     Status prepareAll(const Progress& progress, std::atomic<uint64_t>& rays);
     Status prepareParts(const Progress& progress, std::atomic<uint64_t>& rays) const;
+    /// The settings have another number of samples. Texels that are estimated from now on take it. False: what they
+    /// have in common is computed anew.
+    bool samplesChanged(int before);
 
 private:
     Status prepare(const Progress& progress, std::atomic<uint64_t>& rays);

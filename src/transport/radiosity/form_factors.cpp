@@ -9,9 +9,8 @@ namespace {
 
 constexpr uint32_t kCacheSeed = 0x5eed0005u;
 /// Rays of a patch; half as many of an element or a triangle patch, and half as many light samples as rays. Twice as
-/// many from kManySamples per texel on, because the patches' variance would be visible beside that of the texels.
+/// many where texels take many samples, because the patches' variance would be visible beside that of the texels.
 constexpr int kRays = 16;
-constexpr int kManySamples = 96;
 /// Least rays of a texel: one in each row and column of the pattern of strata.
 constexpr int kFewestRays = StratifiedPattern::kBlock / 4;
 /// Rays shorter than this many widths would show that the radiance of a patch or element is constant.
@@ -23,7 +22,7 @@ constexpr float kNearestInElements = 0.5f * kNearestInPatches; // which are not 
 /// The texels of a patch share its rays. Where each takes the least, some take none.
 FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, int patchShift)
 {
-    const int times = settings.samples >= kManySamples ? 2 : 1;
+    const int times = takesManySamples(settings.samples) ? 2 : 1;
     const int all = times * kRays;
     if (kind != PassKind::Fronts && kind != PassKind::Backs) return {all / 2, all / 4};
     const int rays = all >> (2 * patchShift);

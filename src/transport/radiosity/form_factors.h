@@ -70,6 +70,11 @@ struct FormFactorEffort {
     int direct;    ///< samples of lights
     int every = 1; ///< of large patches that texels cover nearly fully, one texel in so many is gathered
 };
+/// Whether texels of so many samples ask for form factors by twice as many rays.
+constexpr bool takesManySamples(int samples)
+{
+    return samples >= 96;
+}
 FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, int patchShift);
 
 /// Samples the form factors of a range of items.

@@ -16,6 +16,8 @@
 namespace halflight::view {
 namespace {
 
+constexpr float kMostBakeSeconds = 36'000.0f;
+
 constexpr std::array kViews = {DebugView::Lit,      DebugView::Shadowmask, DebugView::Lightmap, DebugView::Probes,
                                DebugView::Cascades, DebugView::Fade,       DebugView::Overlap,  DebugView::Texels};
 
@@ -122,6 +124,11 @@ void bakeSection(const Shown& shown, Answer& answer)
     choice("baked mode", state.bake.mode,
            std::array{MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive});
     choice("quality", state.bake.quality, std::array{Quality::Preview, Quality::Medium, Quality::High, Quality::Ultra});
+    if (state.bake.cacheDirectory.empty()) { // what it holds takes no time
+        auto seconds = float(state.bake.seconds);
+        if (drag("seconds", seconds, 1.0f, 0.0f, kMostBakeSeconds, seconds > 0.0f ? "%.0f" : "by quality"))
+            state.bake.seconds = double(seconds);
+    }
     bool directional = resolveQuality(state.bake).directional;
     if (ImGui::Checkbox("bakes directions", &directional)) state.bake.directional = directional;
     ImGui::Checkbox("glossy bounces", &state.bake.glossyBounces);

@@ -103,7 +103,8 @@ void LiveBake::end(Renderer& renderer, Result<BakeResult> result, double seconds
     savedAs_.clear();
     // As before the bake, if that was a baked mode which the file has.
     const bool fits = modeBefore_ != RunMode::Realtime && checkRunMode(result->baked, modeBefore_);
-    end_ = End{true, fits ? modeBefore_ : defaultRunMode(result->baked), fmt::format("baked in {:.1f} s", seconds)};
+    end_ = End{true, fits ? modeBefore_ : defaultRunMode(result->baked),
+               fmt::format("baked in {:.1f} s, with {} samples per texel", seconds, result->report.quality.samples)};
     shown_.showLater(renderer, std::move(result->baked), time_);
 }
 

@@ -3,6 +3,7 @@ Usage: bake_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …"""
 
 import json
 import os
+import re
 import signal
 import struct
 import subprocess
@@ -330,6 +331,16 @@ class Determinism(Case):
         self.assertEqual(read(one), read(two))
         other, _ = self.bake(scene, "other.glb", "--seed", "2")
         self.assertNotEqual(read(one), read(other))
+
+    def test_a_time_prints_the_samples_that_repeat_it(self):
+        scene = self.scene()
+        timed = self.path("timed.glb")
+        effort = ["--quality", "preview", "--bounces", "1", "--lightmap-size", "128"]
+        result = run("bake", scene, "-o", timed, *effort, "--time", "2s")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        samples = re.search(r"--samples (\d+) in place of --time", result.stdout)[1]
+        plain, _ = self.bake(scene, "plain.glb", "--samples", samples, effort=effort)
+        self.assertEqual(read(timed), read(plain))
 
 
 class Interrupt(Case):

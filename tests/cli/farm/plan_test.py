@@ -90,6 +90,7 @@ class Plans(FarmCase):
             ["-o", self.path("o.glb")],
             ["--samples", "0x10"],
             ["--samples", ""],
+            ["--time", "9s"],
             ["--noise", "2%", "--integrator", "path"],
             ["another.glb"],
             ["--version"],

@@ -6,6 +6,7 @@ export const OPTIONS = {
     integrator: ['--integrator', 'word'],
     samples: ['--samples', 'word'],
     noise: ['--noise', 'percent'],
+    time: ['--time', 'word'],
     texelStep: ['--texel-step', 'word'],
     shadowSamples: ['--shadow-samples', 'word'],
     bounces: ['--bounces', 'word'],

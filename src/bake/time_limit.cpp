@@ -1,0 +1,128 @@
+#include "bake/time_limit.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace halflight {
+namespace {
+
+/// Samples of the two measurements. Their difference is the cost of a sample; the rest does not depend on samples.
+constexpr int kFewSamples = 16;
+constexpr int kMoreSamples = 48;
+constexpr int kMostSamples = 65'536;
+/// Texels that are measured: so many runs of neighbours, spread evenly, a 32nd of all and at most kMostOfRun each.
+constexpr std::size_t kRuns = 8;
+constexpr std::size_t kShare = 32;
+constexpr std::size_t kMostOfRun = 2048;
+/// Texels within this distance of a run are computed too, with half of the samples: the plan of samples reads them.
+constexpr double kAround = 2.0;
+/// Stages after the lightmap (denoising, filling, seams, encoding, writing) take about so many seconds of one core for
+/// a texel: 4 to 6 in the project's scenes. Half of the cores are busy meanwhile.
+constexpr double kSecondsAfterwards = 5.0e-6;
+constexpr double kBusyAfterwards = 0.5;
+/// Reflection probes take about so many rays, which are as fast as those of light probes: 1 to 6 million.
+constexpr double kReflectionRays = 3.0e6;
+
+std::vector<uint32_t> someTexels(std::size_t count)
+{
+    const std::size_t ofRun = std::clamp<std::size_t>(count / kShare / kRuns, 1, kMostOfRun);
+    std::vector<uint32_t> some;
+    for (std::size_t run = 0; run < kRuns; ++run) {
+        const std::size_t first = run * count / kRuns;
+        for (std::size_t i = 0; i < ofRun && first + i < count; ++i) some.push_back(uint32_t(first + i));
+    }
+    return some;
+}
+
+/// What the lightmap of all texels takes.
+struct LightmapCost {
+    double fixed = 0.0;  ///< seconds
+    double sample = 0.0; ///< seconds for a sample of each texel
+
+    [[nodiscard]] double of(int samples) const { return fixed + sample * double(samples); }
+};
+
+Result<LightmapCost> measure(const BakeRun& run, std::size_t texels, PreparedLightmap& lightmap)
+{
+    const std::vector<uint32_t> some = someTexels(texels);
+    std::vector<IrradianceEstimate> estimates(some.size());
+    const auto secondsOf = [&](std::size_t count, int samples) -> Result<double> {
+        const double start = secondsNow(run.settings);
+        const TexelRequest request{std::span(some).first(count), samples};
+        const Progress quiet{{}, run.progress.cancel};
+        if (Status s = lightmap.irradiance(request, std::span(estimates).first(count), quiet); !s) return s.error();
+        return secondsNow(run.settings) - start;
+    };
+    if (Result<double> first = secondsOf(1, kFewSamples); !first) return first.error(); // makes what all have in common
+    const Result<double> few = secondsOf(some.size(), kFewSamples);
+    if (!few) return few.error();
+    const Result<double> more = secondsOf(some.size(), kMoreSamples);
+    if (!more) return more.error();
+    const double all = double(texels) / double(some.size());
+    const double width = std::sqrt(double(some.size()) / double(kRuns)); // of a run
+    const double around = std::pow(1.0 + 2.0 * kAround / width, 2.0) - 1.0;
+    const double sampled = 1.0 + 0.5 * around;
+    LightmapCost cost;
+    cost.sample = all * std::max(*more - *few, 0.0) / (double(kMoreSamples - kFewSamples) * sampled);
+    cost.fixed = std::max(all * *few - cost.sample * double(kFewSamples) * sampled, 0.0) / (1.0 + around);
+    return cost;
+}
+
+double secondsAfterwards(const BakeRun& run, std::size_t texels)
+{
+    const double busy = std::max(kBusyAfterwards * double(threadCount()), 1.0);
+    double seconds = double(texels) * kSecondsAfterwards / busy;
+    const auto& stages = run.report().stages;
+    const auto probes = std::ranges::find(stages, "probes", &StageReport::name);
+    if (run.settings.reflectionProbes && probes != stages.end() && probes->rays > 0)
+        seconds += kReflectionRays * probes->seconds / double(probes->rays);
+    return seconds;
+}
+
+} // namespace
+
+double secondsNow(const BakeSettings& settings)
+{
+    if (settings.clock) return settings.clock();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Status chooseSamples(const BakeRun& run, double began, const CachedIntegrator& cached, PreparedLightmap& lightmap)
+{
+    const std::size_t texels = cached.map.texels.size();
+    if (texels == 0) return {};
+    BakeReport& report = run.report();
+    BakeSettings preview;
+    preview.quality = Quality::Preview;
+    const int least = resolveQuality(preview).samples;
+    double needed = 0.0; // seconds of a bake with the least samples
+    run.progress("measure", 0.0);
+    StageTimer timer(report, "measure");
+    const uint64_t before = cached.integrator.raysTraced();
+    // Many samples may need a better radiance cache. That takes time too, and is measured with the second round.
+    for (int round = 0; round < 2; ++round) {
+        const Result<LightmapCost> cost = measure(run, texels, lightmap);
+        if (!cost) return cost.error();
+        const double others = secondsNow(run.settings) - began + secondsAfterwards(run, texels);
+        const double left = run.settings.seconds - others - cost->fixed;
+        const double samples = cost->sample > 0.0 ? left / cost->sample : double(kMostSamples);
+        report.quality.samples = int(std::clamp(std::floor(samples), double(least), double(kMostSamples)));
+        needed = others + cost->of(least);
+        if (lightmap.setSamples(report.quality.samples)) break;
+    }
+    timer.finish(cached.integrator.raysTraced() - before);
+    if (needed <= run.settings.seconds) return {};
+    report.warnings.push_back(std::to_string(std::lround(run.settings.seconds)) +
+                              " s are too few for this bake, which takes about " + std::to_string(std::lround(needed)) +
+                              " s with the " + std::to_string(least) +
+                              " samples per texel of a preview; it has these: a smaller --lightmap-size or "
+                              "--texels-per-meter takes less time");
+    return {};
+}
+
+} // namespace halflight
