@@ -118,7 +118,6 @@ public:
     {
         const int defaultStep = texelStepOf(IntegrationSettings(), prepared_.map);
         measureCache("cache", 0);
-        if (options_.samples > 0) return;
         const int otherStep = defaultStep == 1 ? 2 : 1;
         measureCache("step " + std::to_string(otherStep), otherStep);
     }
