@@ -156,7 +156,7 @@ void seamsOf(const Options& options, const std::string& name, bool bakeLights)
         std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
         denoise(scene.geometry, scene.map, {}, estimates, false);
         TexelValues values = splitEstimates(estimates);
-        const std::vector<uint8_t> valid = validTexels(estimates);
+        const std::vector<uint8_t> valid = validTexels(scene.map);
         fillInvalid(scene.geometry, scene.map, valid, values.irradiance);
         fillInvalid(scene.geometry, scene.map, valid, values.direct);
         return std::array{dilate(scene.map, values.irradiance, kDilationRings),

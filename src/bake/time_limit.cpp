@@ -15,11 +15,13 @@ namespace {
 constexpr int kFewSamples = 16;
 constexpr int kMoreSamples = 48;
 constexpr int kMostSamples = 65'536;
-/// Texels that are measured: so many runs of neighbours, spread evenly, a 32nd of all and at most kMostOfRun each.
-constexpr std::size_t kRuns = 8;
+/// Texels that are measured, in runs of neighbours that are spread evenly: a 32nd of all, and more of small maps.
+constexpr std::size_t kTexelsOfRun = 256;
 constexpr std::size_t kShare = 32;
-constexpr std::size_t kMostOfRun = 2048;
-/// Texels within this distance of a run are computed too, with half of the samples: the plan of samples reads them.
+constexpr std::size_t kFewTexels = 4096; // or a quarter of all
+constexpr std::size_t kManyTexels = 16'384;
+/// Texels within this distance of a run are computed too: the plan of samples reads them. They take all of the few
+/// samples, and half of those beyond.
 constexpr double kAround = 2.0;
 /// Stages after the lightmap (denoising, filling, seams, encoding, writing) take about so many seconds of one core for
 /// a texel: 4 to 6 in the project's scenes. Half of the cores are busy meanwhile.
@@ -30,11 +32,12 @@ constexpr double kReflectionRays = 3.0e6;
 
 std::vector<uint32_t> someTexels(std::size_t count)
 {
-    const std::size_t ofRun = std::clamp<std::size_t>(count / kShare / kRuns, 1, kMostOfRun);
+    const std::size_t wanted = std::clamp(count / kShare, std::min(kFewTexels, count / 4), kManyTexels);
+    const std::size_t runs = std::max<std::size_t>(wanted / kTexelsOfRun, 1);
     std::vector<uint32_t> some;
-    for (std::size_t run = 0; run < kRuns; ++run) {
-        const std::size_t first = run * count / kRuns;
-        for (std::size_t i = 0; i < ofRun && first + i < count; ++i) some.push_back(uint32_t(first + i));
+    for (std::size_t run = 0; run < runs; ++run) {
+        const std::size_t first = run * count / runs;
+        for (std::size_t i = 0; i < kTexelsOfRun && first + i < count; ++i) some.push_back(uint32_t(first + i));
     }
     return some;
 }
@@ -64,12 +67,12 @@ Result<LightmapCost> measure(const BakeRun& run, std::size_t texels, PreparedLig
     const Result<double> more = secondsOf(some.size(), kMoreSamples);
     if (!more) return more.error();
     const double all = double(texels) / double(some.size());
-    const double width = std::sqrt(double(some.size()) / double(kRuns)); // of a run
+    const double width = std::sqrt(double(std::min(kTexelsOfRun, some.size()))); // of a run
     const double around = std::pow(1.0 + 2.0 * kAround / width, 2.0) - 1.0;
     const double sampled = 1.0 + 0.5 * around;
     LightmapCost cost;
     cost.sample = all * std::max(*more - *few, 0.0) / (double(kMoreSamples - kFewSamples) * sampled);
-    cost.fixed = std::max(all * *few - cost.sample * double(kFewSamples) * sampled, 0.0) / (1.0 + around);
+    cost.fixed = std::max(all * *few / (1.0 + around) - cost.sample * double(kFewSamples), 0.0);
     return cost;
 }
 
