@@ -30,14 +30,16 @@ constexpr double kBusyAfterwards = 0.5;
 /// Reflection probes take about so many rays, which are as fast as those of light probes: 1 to 6 million.
 constexpr double kReflectionRays = 3.0e6;
 
+/// Texels of all runs, one run after the other.
 std::vector<uint32_t> someTexels(std::size_t count)
 {
     const std::size_t wanted = std::clamp(count / kShare, std::min(kFewTexels, count / 4), kManyTexels);
-    const std::size_t runs = std::max<std::size_t>(wanted / kTexelsOfRun, 1);
+    const std::size_t ofRun = std::min(kTexelsOfRun, count);
+    const std::size_t runs = std::max<std::size_t>(wanted / ofRun, 1);
     std::vector<uint32_t> some;
     for (std::size_t run = 0; run < runs; ++run) {
-        const std::size_t first = run * count / runs;
-        for (std::size_t i = 0; i < kTexelsOfRun && first + i < count; ++i) some.push_back(uint32_t(first + i));
+        const std::size_t first = run * (count - ofRun) / runs;
+        for (std::size_t i = 0; i < ofRun; ++i) some.push_back(uint32_t(first + i));
     }
     return some;
 }
@@ -50,29 +52,45 @@ struct LightmapCost {
     [[nodiscard]] double of(int samples) const { return fixed + sample * double(samples); }
 };
 
+/// Seconds of some runs, which threads share as they share the parts of a map.
+Result<double> secondsOf(const BakeRun& run, std::span<const uint32_t> texels, int samples, PreparedLightmap& lightmap)
+{
+    const std::size_t runs = (texels.size() + kTexelsOfRun - 1) / kTexelsOfRun;
+    std::vector<Status> ends(runs);
+    const Progress quiet{{}, run.progress.cancel};
+    const double start = secondsNow(run.settings);
+    parallelFor(runs, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) {
+            inIsolation([&, r] {
+                const auto some = texels.subspan(r * kTexelsOfRun);
+                const auto ofRun = some.first(std::min(kTexelsOfRun, some.size()));
+                std::vector<IrradianceEstimate> estimates(ofRun.size());
+                ends[r] = lightmap.irradiance({ofRun, samples}, estimates, quiet);
+            });
+        }
+    });
+    for (const Status& end : ends)
+        if (!end) return end.error();
+    return secondsNow(run.settings) - start;
+}
+
 Result<LightmapCost> measure(const BakeRun& run, std::size_t texels, PreparedLightmap& lightmap)
 {
     const std::vector<uint32_t> some = someTexels(texels);
-    std::vector<IrradianceEstimate> estimates(some.size());
-    const auto secondsOf = [&](std::size_t count, int samples) -> Result<double> {
-        const double start = secondsNow(run.settings);
-        const TexelRequest request{std::span(some).first(count), samples};
-        const Progress quiet{{}, run.progress.cancel};
-        if (Status s = lightmap.irradiance(request, std::span(estimates).first(count), quiet); !s) return s.error();
-        return secondsNow(run.settings) - start;
-    };
-    if (Result<double> first = secondsOf(1, kFewSamples); !first) return first.error(); // makes what all have in common
-    const Result<double> few = secondsOf(some.size(), kFewSamples);
+    const std::span<const uint32_t> all(some);
+    const Result<double> first = secondsOf(run, all.first(1), kFewSamples, lightmap); // makes what all have in common
+    if (!first) return first.error();
+    const Result<double> few = secondsOf(run, all, kFewSamples, lightmap);
     if (!few) return few.error();
-    const Result<double> more = secondsOf(some.size(), kMoreSamples);
+    const Result<double> more = secondsOf(run, all, kMoreSamples, lightmap);
     if (!more) return more.error();
-    const double all = double(texels) / double(some.size());
+    const double times = double(texels) / double(some.size());
     const double width = std::sqrt(double(std::min(kTexelsOfRun, some.size()))); // of a run
     const double around = std::pow(1.0 + 2.0 * kAround / width, 2.0) - 1.0;
     const double sampled = 1.0 + 0.5 * around;
     LightmapCost cost;
-    cost.sample = all * std::max(*more - *few, 0.0) / (double(kMoreSamples - kFewSamples) * sampled);
-    cost.fixed = std::max(all * *few / (1.0 + around) - cost.sample * double(kFewSamples), 0.0);
+    cost.sample = times * std::max(*more - *few, 0.0) / (double(kMoreSamples - kFewSamples) * sampled);
+    cost.fixed = std::max(times * *few / (1.0 + around) - cost.sample * double(kFewSamples), 0.0);
     return cost;
 }
 
