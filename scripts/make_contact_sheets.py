@@ -262,6 +262,16 @@ def thirteen_lights(s):
     s.render("view shadowmask: all layers together", baked, "--view", "shadowmask")
 
 
+def coloured_glass(s):
+    """S35: a room with three coloured windows; realtime pictures show the glass itself grey."""
+    scene = ("tests/coloured_glass.glb", "--quality", "medium", "--lightmap-size", "1024")
+    baked = s.bake(*scene)
+    s.render("sun and sky through a film, a pane and a block: baked", baked)
+    s.render("path traced", baked, "--reference", "192")
+    grey = s.bake(*scene, settings='[[material]]\npattern = "film"\ntinted = false\n')
+    s.render("the film is not tinted: alpha is coverage", grey)
+
+
 def directional_lightmap(s):
     """S32: a normal map under baked light alone, a warm panel on the left and a blue lamp on the right."""
     baked = s.bake("tests/bumpy_wall.glb", "--quality", "high", "--lightmap-size", "1024", "--directional", "on")
@@ -286,7 +296,7 @@ def debug_views(s):
 
 
 SHEETS = (shadow_fade, cascades, shadowmask, distance_shadowmask, four_lights, point_masks, probes, proxy_volumes, instances, subtractive,
-          switches, forward_deferred, overflow, thirteen_lights, directional_lightmap, debug_views)
+          switches, forward_deferred, overflow, thirteen_lights, coloured_glass, directional_lightmap, debug_views)
 
 
 def main():

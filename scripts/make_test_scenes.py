@@ -111,6 +111,51 @@ def thirteen_lights():
     return doc
 
 
+def glass(doc, name, color, alpha=1.0, **more):
+    doc.material(name, color, 0.3, double_sided=not more.get("volume"))
+    material = doc.json["materials"][-1]
+    if alpha < 1.0:
+        material.update(alphaMode="BLEND", extras={"halflight_tinted": 1})
+        material["pbrMetallicRoughness"]["baseColorFactor"][3] = alpha
+        return
+    extensions = {"KHR_materials_transmission": {"transmissionFactor": 1.0}}
+    if more.get("volume"):
+        extensions["KHR_materials_volume"] = more["volume"]
+    material["extensions"] = extensions
+    doc.used.update(extensions)
+
+
+def coloured_glass():
+    """A room with three windows under a white sun and a white sky: a red tinted film, a blue pane with transmission, a green
+    block with a volume."""
+    doc = document("coloured_glass", ("white",), ([1.5] * 3,) * 3)
+    glass(doc, "film", (0.9, 0.1, 0.05), alpha=0.2)
+    glass(doc, "pane", (0.1, 0.25, 0.9))
+    glass(doc, "block", (1, 1, 1), volume={"thicknessFactor": 0.1, "attenuationDistance": 0.1, "attenuationColor": [0.15, 0.8, 0.25]})
+    shell = [m.box(-2.2, -0.2, -2.7, 2.3, 0, 2.7), m.box(-2.2, 3, -2.7, 2.3, 3.2, 2.7), m.box(-2.2, 0, -2.7, -2, 3, 2.7),
+             m.box(-2, 0, -2.7, 2.3, 3, -2.5), m.box(-2, 0, 2.5, 2.3, 3, 2.7), m.box(2, 0, -2.5, 2.3, 0.8, 2.5),
+             m.box(2, 2.4, -2.5, 2.3, 3, 2.5)]
+    places = (-1.4, 0.0, 1.4)
+    edges = [-2.5] + [z + side for z in places for side in (-0.5, 0.5)] + [2.5]
+    shell += [m.box(2, 0.8, a, 2.3, 2.4, b) for a, b in zip(edges[::2], edges[1::2])]
+    for i, mesh in enumerate(shell):
+        doc.mesh(f"wall_{i + 1}", [(mesh, "white", 1.0)])
+        doc.node(f"wall_{i + 1}", f"wall_{i + 1}")
+    for name, z in (("film", places[0]), ("pane", places[1])):
+        sheet = Mesh([(((2.15, 0.8, z + 0.5), (2.15, 0.8, z - 0.5), (2.15, 2.4, z - 0.5)), ((0, 0), (1, 0), (1, 1))),
+                      (((2.15, 0.8, z + 0.5), (2.15, 2.4, z - 0.5), (2.15, 2.4, z + 0.5)), ((0, 0), (1, 1), (0, 1)))])
+        doc.mesh(name, [(sheet, name, 1.0)], closed=False)
+        doc.node(name, name, extras={"halflight_lightmap_scale": 0})
+    doc.mesh("block", [(m.box(2.1, 0.802, places[2] - 0.498, 2.2, 2.398, places[2] + 0.498), "block", 1.0)])
+    doc.node("block", "block", extras={"halflight_lightmap_scale": 0})
+    doc.mesh("post", [(m.box(-0.3, 0, -0.3, 0.3, 0.9, 0.3), "white", 1.0)])
+    doc.node("post", "post", (-0.6, -0.005, -0.1))
+    doc.light("sun", "directional", (1, 1, 1), 40.0, (8.0, 6.2, 1.8), (0, 0, 0),
+              extras={"halflight_mode": "baked", "halflight_angular_diameter": 0.5})
+    doc.camera("main", (-1.4, 1.7, 2.2), (0.5, 0.8, -1.0), 57)
+    return doc
+
+
 def sphere_on_floor():
     """A static and a dynamic sphere side by side on a floor under a mixed sun: the same shadow, one baked, one realtime."""
     doc = document("sphere_on_floor", ("white", "red"), ([0.2, 0.3, 0.5], [0.5, 0.5, 0.5], [0.1, 0.1, 0.1]))
@@ -328,5 +373,5 @@ def instances_1023():
 
 
 if __name__ == "__main__":
-    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, thirteen_lights, sphere_on_floor, area_lights, two_rooms, proxy_volume, avenue,
-                                four_lights, probe_hall, instances_1023, bumpy_wall, sheets))
+    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, thirteen_lights, coloured_glass, sphere_on_floor, area_lights, two_rooms, proxy_volume,
+                                avenue, four_lights, probe_hall, instances_1023, bumpy_wall, sheets))

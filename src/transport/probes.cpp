@@ -32,7 +32,7 @@ public:
         // Of a channel's lights at most one reaches a point.
         paths_.light().forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
             if (light.channel >= 0 && light.reaches(position))
-                estimate.occlusion[light.channel] = visibility(light, l, shadowSamples(), id, position, rays);
+                estimate.occlusion[light.channel] = grayOf(visibility(light, l, shadowSamples(), id, position, rays));
         });
         return estimate;
     }
@@ -105,13 +105,13 @@ private:
         };
         if (!light.isArea()) {
             const shading::LightSample sample = light.at(position);
-            const float visible = visibility(light, index, count, id, position, rays);
-            add(sample.illuminance * (scale * glm::mix(1.0f, visible, light.shadowStrength)), sample.direction);
+            const vec3 visible = visibility(light, index, count, id, position, rays);
+            add(sample.illuminance * (scale * shadowOf(light, visible)), sample.direction);
             return;
         }
         const vec3 radiance = light.radianceAt(position) * (scale / float(count));
-        forLightRays(light, index, count, id, position, rays, [&](const LightRay& ray, float visible) {
-            add(radiance * (ray.solidAngle * glm::mix(1.0f, visible, light.shadowStrength)), ray.direction);
+        forLightRays(light, index, count, id, position, rays, [&](const LightRay& ray, vec3 visible) {
+            add(radiance * (ray.solidAngle * shadowOf(light, visible)), ray.direction);
         });
     }
 
@@ -130,17 +130,17 @@ private:
     }
 
     /// Share of the light that arrives; of an area light, of its illuminance from all directions together.
-    float visibility(const PunctualLight& light, uint32_t lightIndex, int count, uint32_t id, vec3 position,
-                     uint64_t& rays) const
+    vec3 visibility(const PunctualLight& light, uint32_t lightIndex, int count, uint32_t id, vec3 position,
+                    uint64_t& rays) const
     {
-        float sum = 0.0f;
+        vec3 sum(0.0f);
         float all = 0.0f;
-        forLightRays(light, lightIndex, count, id, position, rays, [&](const LightRay& ray, float visible) {
+        forLightRays(light, lightIndex, count, id, position, rays, [&](const LightRay& ray, vec3 visible) {
             const float weight = light.isArea() ? ray.solidAngle : 1.0f;
             sum += weight * visible;
             all += weight;
         });
-        return all > 0.0f ? sum / all : 1.0f;
+        return all > 0.0f ? sum / all : vec3(1.0f);
     }
 
     const PathTracer& paths_;

@@ -40,18 +40,19 @@ private:
         const BakeGeometry& geometry = surfaces.geometry();
         ++rays;
         RayHit at = surfaces.nearest(position_, direction, 0.0f, kInfinity);
-        if (!at.found()) return paths_.light().sky().radiance(direction);
+        if (!at.found()) return at.tint * paths_.light().sky().radiance(direction);
         vec3 sum(0.0f);
         vec3 throughput(1.0f);
         Receiver from{position_};
         float pdf = 0.0f;
         for (int depth = 0;; ++depth) {
-            if (!at.found()) return sum + throughput * paths_.light().sky().dimRadiance(direction);
+            if (!at.found()) return sum + throughput * at.tint * paths_.light().sky().dimRadiance(direction);
             const SurfaceHit hit = surfaces.surfaceAt(at);
             if (geometry.partOf(hit.point.triangle).page < 0) {
                 const int bounces = std::max(settings_.bounces - depth, 0);
                 return sum + throughput * paths_.pathRadiance(at, direction, from, pdf, bounces, sampler, rays);
             }
+            throughput *= at.tint;
             const vec3 irradiance = lightmapAt(hit.point, at.face.back != 0) + mixedLight(hit.point, sampler, rays);
             sum += throughput * (paths_.direct().weightedEmission(hit, direction, from, pdf) +
                                  shading::diffuseRadiance(paths_.albedoOf(hit.reflectance), irradiance));

@@ -62,7 +62,7 @@ private:
         const Receiver from{paths_.surfaces().rayOrigin(point), point.normal};
         ++rays;
         const RayHit at = paths_.surfaces().nearest(from.position, direction, 0.0f, kInfinity);
-        if (!at.found()) return throughput * paths_.light().sky().radiance(direction);
+        if (!at.found()) return throughput * at.tint * paths_.light().sky().radiance(direction);
         return throughput * paths_.pathRadiance(at, direction, from, 0.0f, settings_.bounces, sampler, rays);
     }
 
@@ -107,8 +107,7 @@ private:
             unshadowed = specular(surface, point, view, incoming.direction, incoming.illuminance);
         }
         if (unshadowed == vec3(0.0f)) return unshadowed;
-        const float transmittance = paths_.direct().lightVisibility(light, point, disc, rays);
-        return unshadowed * glm::mix(1.0f, transmittance, light.shadowStrength);
+        return unshadowed * shadowOf(light, paths_.direct().lightVisibility(light, point, disc, rays));
     }
 
     /// About a light's highlight without shadows; more than 0 where it has one. An area light counts as a point in a

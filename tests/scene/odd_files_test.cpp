@@ -31,10 +31,9 @@ Scene readWith(const std::function<void(GltfBuilder&)>& change)
 
 TEST(Extensions, ThoseWithoutABearingOnBakedLightNeverRefuseAFile)
 {
-    for (const char* name :
-         {"KHR_materials_ior", "KHR_materials_clearcoat", "KHR_materials_volume", "KHR_materials_sheen",
-          "KHR_materials_iridescence", "KHR_materials_anisotropy", "KHR_materials_dispersion",
-          "KHR_materials_diffuse_transmission", "KHR_xmp_json_ld", "MSFT_lod"}) {
+    for (const char* name : {"KHR_materials_ior", "KHR_materials_clearcoat", "KHR_materials_sheen",
+                             "KHR_materials_iridescence", "KHR_materials_anisotropy", "KHR_materials_dispersion",
+                             "KHR_materials_diffuse_transmission", "KHR_xmp_json_ld", "MSFT_lod"}) {
         const Scene scene = readWith([&](GltfBuilder& file) {
             file.json["extensionsUsed"] = {name};
             file.json["extensionsRequired"] = {name};

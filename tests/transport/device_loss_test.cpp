@@ -40,7 +40,7 @@ public:
     {
         return works() ? embree_->occluded(rays, out) : lost();
     }
-    Status transmittance(std::span<const Ray> rays, std::span<float> out) const override
+    Status transmittance(std::span<const Ray> rays, std::span<vec3> out) const override
     {
         return works() ? embree_->transmittance(rays, out) : lost();
     }

@@ -46,8 +46,10 @@ TEST(ShadowmaskS8, DecidedTexelsAreRight)
         constexpr int kSamples = 512;
         for (int s = 0; s < kSamples; ++s) {
             Sampler sampler(99, uint32_t(i), uint32_t(s));
-            sum += double(paths.direct().lightVisibility(paths.light().lights()[0], points[std::size_t(s % count)],
-                                                         shading::sampleDisc(sampler.next2()), rays));
+            sum += double(paths.direct()
+                              .lightVisibility(paths.light().lights()[0], points[std::size_t(s % count)],
+                                               shading::sampleDisc(sampler.next2()), rays)
+                              .x);
         }
         squares += std::pow(sum / kSamples - double(mask[i].x), 2.0);
     }

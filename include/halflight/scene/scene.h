@@ -7,7 +7,7 @@
 
 #include "halflight/base/image.h"
 #include "halflight/base/math.h"
-#include "halflight/base/shared_image.h"
+#include "halflight/scene/material.h"
 
 #include <array>
 #include <cstdint>
@@ -17,82 +17,6 @@
 #include <vector>
 
 namespace halflight {
-
-/// 8-bit image and sampler. Whether texels are sRGB-encoded follows from the use: base colour and emissive are, others
-/// not.
-struct Texture {
-    enum class Wrap { Repeat, ClampToEdge, MirroredRepeat };
-    std::string name;
-    SharedImage<u8vec4> pixels;
-    Wrap wrapU = Wrap::Repeat;
-    Wrap wrapV = Wrap::Repeat;
-    bool nearest = false;   ///< magnify without filtering
-    int sourceTexture = -1; ///< index in the glTF file's "textures"
-};
-
-/// Texture coordinate sets of a file that are read: TEXCOORD_0 to TEXCOORD_7.
-constexpr int kTexCoordSets = 8;
-
-/// Reference from a material to a texture, with KHR_texture_transform: uv' = offset + R(rotation) * (scale * uv),
-/// R = [cos, sin; -sin, cos] (row-major) as that extension writes it.
-struct TextureRef {
-    int texture = -1; ///< index into Scene::textures, -1 = none
-    int texCoord = 0; ///< which of MeshPart::uv; the textures of one material read two sets at most
-    vec2 offset{0.0f};
-    vec2 scale{1.0f};
-    float rotationRadians = 0.0f;
-
-    explicit operator bool() const { return texture >= 0; }
-};
-
-/// Light that a face of glass lets through at normal incidence: all but the 4 % that an index of refraction of 1.5
-/// reflects.
-constexpr float kGlassTransmittance = 0.96f;
-
-struct Material {
-    enum class AlphaMode { Opaque, Mask, Blend };
-    std::string name;
-    vec4 baseColor{1.0f}; ///< linear, times texture and vertex colour
-    TextureRef baseColorTexture;
-    float metallic = 1.0f;
-    float roughness = 1.0f;
-    float specular = 1.0f; ///< KHR_materials_specular: strength of the dielectric reflection, 0 = purely diffuse
-    TextureRef metallicRoughnessTexture; ///< G roughness, B metallic
-    TextureRef normalTexture;
-    float normalScale = 1.0f;
-    TextureRef occlusionTexture; ///< R
-    float occlusionStrength = 1.0f;
-    vec3 emissiveNits{0.0f}; ///< factor times KHR_materials_emissive_strength: radiance emitted, cd/m2
-    TextureRef emissiveTexture;
-    AlphaMode alphaMode = AlphaMode::Opaque; ///< what alpha means; glass is drawn blended whatever it says
-    float alphaCutoff = 0.5f;
-    float transmission = 0.0f;      ///< KHR_materials_transmission's factor; 0 where the material is unlit
-    TextureRef transmissionTexture; ///< R
-    bool doubleSided = false;
-    bool unlit = false;
-    bool castShadows = true; ///< shadows want these of the object and of the material, in the bake and at run time
-    bool receiveShadows = true;
-    int sourceMaterial = -1;
-
-    /// Whether it lets a share of light through, by alpha or as glass.
-    [[nodiscard]] bool isBlended() const { return alphaMode == AlphaMode::Blend || transmission > 0.0f; }
-    /// Whether it stops all light everywhere.
-    [[nodiscard]] bool isOpaque() const { return alphaMode == AlphaMode::Opaque && transmission <= 0.0f; }
-    /// Share of light that it stops at a point: by the point's alpha, metallic and value of the transmission texture.
-    /// `coverage` in shaders/material.glsl is the same.
-    [[nodiscard]] float coverage(float alpha, float metallicThere, float transmissionTexel) const
-    {
-        if (alphaMode == AlphaMode::Mask && alpha < alphaCutoff) return 0.0f;
-        const float there = alphaMode == AlphaMode::Blend ? glm::clamp(alpha, 0.0f, 1.0f) : 1.0f;
-        return there * (1.0f - kGlassTransmittance * transmission * transmissionTexel * (1.0f - metallicThere));
-    }
-
-    [[nodiscard]] std::array<const TextureRef*, 6> textureRefs() const
-    {
-        return {&baseColorTexture, &metallicRoughnessTexture, &normalTexture,
-                &occlusionTexture, &emissiveTexture,          &transmissionTexture};
-    }
-};
 
 /// A vertex on the line between two vertices of one primitive, which the unwrapper added where it cut a mesh.
 struct CutVertex {

@@ -3,13 +3,41 @@
 #include "halflight/bake/integrator.h"
 
 #include "halflight/base/text.h"
+#include "scene/model/tint.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <vector>
 
 namespace halflight {
+
+namespace {
+
+/// Names mixed lights and coloured glass, whose masks and realtime shadows have no colour.
+void reportGrayShadows(const Scene& scene, BakeReport& report)
+{
+    std::vector<std::string> lights;
+    for (const Light& light : scene.lights)
+        if (light.castShadows && light.baking.occlusionMaskChannel >= 0) lights.push_back(light.name);
+    std::set<std::string> glass;
+    for (const Object& object : scene.objects) {
+        if (!object.isStatic || !object.castShadows || object.mesh < 0) continue;
+        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
+            const Material& material = materialOf(scene, part);
+            if (material.castShadows && colorsLight(material)) glass.insert(material.name);
+        }
+    }
+    if (lights.empty() || glass.empty()) return;
+    report.warnings.push_back("glass " + listOf({glass.begin(), glass.end()}) +
+                              " gives light a colour: the masks and "
+                              "realtime shadows of the mixed lights " +
+                              listOf(lights) +
+                              " are grey there; halflight_mode = \"baked\" gives their direct light the colour");
+}
+
+} // namespace
 
 constexpr std::size_t kOwnWarnings = 3; ///< fully baked lights that get a warning each
 
@@ -41,6 +69,7 @@ void reportLights(const Scene& scene, BakeReport& report)
                                   "everything: their baked shadows end where they add little light (reach in the "
                                   "report); give them a range to choose it yourself");
     }
+    reportGrayShadows(scene, report);
 }
 
 void reportNoise(std::span<const IrradianceEstimate> estimates, const std::optional<MainLight>& main,

@@ -60,7 +60,8 @@ vec3 ReferenceTracer::areaContribution(const PunctualLight& light, const Hit& hi
 
 /// Radiance of the area lights that a sampled direction of the hit meets, with its MIS weight. `next` is what the ray
 /// meets of the scene.
-vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float directionPdf, const RayHit& next) const
+vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float directionPdf, const RayHit& next,
+                                      uint64_t& rays) const
 {
     vec3 radiance(0.0f);
     if (options_.emitters == EmitterSampling::Surfaces) return radiance;
@@ -72,15 +73,26 @@ vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float dire
         const float distance =
             shading::meetAreaLight(light.type, toCenter, light.halfWidth, light.halfHeight, direction);
         if (distance <= 0.0f) return;
-        const bool hidden = next.found() && next.distance < distance * kShortOfSurface;
-        const float visible =
-            hidden && paths_.direct().shadowsFall(light, hit.point) ? 1.0f - light.shadowStrength : 1.0f;
+        const vec3 visible = paths_.direct().shadowsFall(light, hit.point)
+                                 ? shadowOf(light, visibleUpTo(hit, direction, distance * kShortOfSurface, next, rays))
+                                 : vec3(1.0f);
         const float pdf =
             shading::areaSamplePdf(light.type, toCenter, light.halfWidth, light.halfHeight, distance * direction);
         const float weight = alone ? 1.0f : shading::powerHeuristic(directionPdf, pdf);
         radiance += light.radianceAt(origin) * (visible * weight);
     });
     return radiance;
+}
+
+/// Share of light that comes from a distance along a ray from a hit. `next`: what the ray meets, by chance where that
+/// is glass; its tint is that of all glass before it, also beyond the distance.
+vec3 ReferenceTracer::visibleUpTo(const Hit& hit, vec3 direction, float distance, const RayHit& next,
+                                  uint64_t& rays) const
+{
+    const RayTracer& surfaces = paths_.surfaces();
+    if (!surfaces.anyTinted()) return vec3(next.found() && next.distance < distance ? 0.0f : 1.0f);
+    ++rays;
+    return surfaces.transmittance(surfaces.rayOrigin(hit.point), direction, 0.0f, distance);
 }
 
 vec3 ReferenceTracer::emitterLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
@@ -156,12 +168,14 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, RayUse use, int boun
     RayHit at = surfaces.nearest(origin, direction, 0.0f, kInfinity, use);
     for (int depth = 0;; ++depth) {
         const auto add = [&](vec3 light) { radiance += depth > 0 ? limited(throughput * light) : throughput * light; };
+        throughput *= at.tint;
         if (!at.found()) {
             add(skyAlong(direction, pdf));
             break;
         }
         if (depth == 0 && surfaces.materials().of(surfaces.triangleAt(at.face.hitIndex)).unlit) {
-            return materials_.reflectanceAt(surfaces.triangleAt(at.face.hitIndex), at.barycentric).baseColor;
+            return throughput *
+                   materials_.reflectanceAt(surfaces.triangleAt(at.face.hitIndex), at.barycentric).baseColor;
         }
         const Hit hit = surfaceAt(at, -direction, depth == 0);
         if (hit.emission != vec3(0.0f)) add(hit.emission * emissionWeight(hit, direction, at.distance, from, pdf));
@@ -179,7 +193,7 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, RayUse use, int boun
         from = {paths_.surfaces().rayOrigin(hit.point), hit.point.normal};
         ++rays;
         at = surfaces.nearest(from.position, direction, 0.0f, kInfinity);
-        const vec3 ofAreaLights = throughput * areaLightsAlong(hit, direction, pdf, at);
+        const vec3 ofAreaLights = throughput * areaLightsAlong(hit, direction, pdf, at, rays);
         radiance += depth > 0 ? limited(ofAreaLights) : ofAreaLights;
         if (depth == 0 && at.found() && options_.surfaces == ReferenceSurfaces::DiffuseBounces) {
             radiance += limited(throughput * paths_.pathRadiance(at, direction, from, pdf, bounces, sampler, rays));

@@ -40,7 +40,8 @@ private:
     [[nodiscard]] Hit surfaceAt(const RayHit& at, vec3 view, bool first) const;
     [[nodiscard]] vec3 punctualLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const;
     [[nodiscard]] vec3 areaContribution(const PunctualLight& light, const Hit& hit, vec2 disc) const;
-    [[nodiscard]] vec3 areaLightsAlong(const Hit& hit, vec3 direction, float directionPdf, const RayHit& next) const;
+    vec3 areaLightsAlong(const Hit& hit, vec3 direction, float directionPdf, const RayHit& next, uint64_t& rays) const;
+    vec3 visibleUpTo(const Hit& hit, vec3 direction, float distance, const RayHit& next, uint64_t& rays) const;
     [[nodiscard]] vec3 emitterLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const;
     [[nodiscard]] vec3 skyLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const;
     [[nodiscard]] vec3 skyAlong(vec3 direction, float directionPdf) const;

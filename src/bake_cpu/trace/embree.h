@@ -7,6 +7,8 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include "bake_cpu/trace/passed_glass.h"
+
 #include <array>
 #include <cstdint>
 
@@ -43,6 +45,8 @@ struct RayContext {
 #endif
     bool camera = false;                     ///< camera rays hit objects that cast no shadow; other rays do not
     BlendedTransmittance* blended = nullptr; ///< by ray id; null = blended surfaces are hit by chance
+    PassedGlass* glass = nullptr;            ///< by ray id, in place of `blended`; null = no glass has a colour
+    bool byChance = true;                    ///< `glass` gets what passes by chance, else all that passes
     SolidsPassed* solids = nullptr;          ///< null = not counted
 
     explicit RayContext(bool isCamera) : camera(isCamera)

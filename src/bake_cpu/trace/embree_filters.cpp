@@ -35,6 +35,44 @@ bool EmbreeKernels::passesBlended(uint32_t triangle, vec2 barycentric, embree::B
     return true;
 }
 
+/// Keeps the colour of a face of glass that a ray passes. False where it does not pass, or the face has no colour and
+/// is passed by chance.
+bool EmbreeKernels::passesGlass(const RTCFilterFunctionNArguments* arguments, unsigned lane, uint32_t triangle,
+                                vec2 barycentric, const BakeGeometry::Instance* place)
+{
+    const auto* user = static_cast<const GeometryUser*>(arguments->geometryUserPtr);
+    const auto* context = reinterpret_cast<const embree::RayContext*>(arguments->context);
+    const EmbreeKernels& kernels = *user->kernels;
+    const TransportMaterial& material = kernels.scene_.materials().of(triangle);
+    if (!material.blended || (context->byChance && !material.tints)) return false;
+    const unsigned count = arguments->N;
+    embree::PassedGlass& passed = context->glass[RTCRayN_id(arguments->ray, count, lane)];
+    if (passed.full()) return false;
+    const vec3 along(RTCRayN_dir_x(arguments->ray, count, lane), RTCRayN_dir_y(arguments->ray, count, lane),
+                     RTCRayN_dir_z(arguments->ray, count, lane));
+    const vec3 direction = place != nullptr ? place->linear * along : along;
+    const Materials::Glass glass = kernels.scene_.materials().glassAt(triangle, barycentric, direction);
+    const bool back = glm::dot(kernels.scene_.geometry().geometricNormal(triangle), direction) > 0.0f;
+    const vec3 leaving = back ? glass.attenuation : -glass.attenuation;
+    embree::PassedGlass::Face face{triangle, RTCRayN_tfar(arguments->ray, count, lane), glass.passed, leaving};
+    if (context->camera && back && !material.doubleSided) {
+        face.passed = vec3(1.0f); // as if the back were not there
+    } else if (context->byChance) {
+        const float ray[6] = {RTCRayN_org_x(arguments->ray, count, lane),
+                              RTCRayN_org_y(arguments->ray, count, lane),
+                              RTCRayN_org_z(arguments->ray, count, lane),
+                              along.x,
+                              along.y,
+                              along.z};
+        if (glass.coverage >= 1.0f || !kernels.passes(triangle, barycentric, ray)) return false;
+        face.passed /= 1.0f - glass.coverage;
+    } else if (glass.coverage >= 1.0f) {
+        return false;
+    }
+    if (!passed.knows(face)) passed.add(face);
+    return true;
+}
+
 void EmbreeKernels::filter(const RTCFilterFunctionNArguments* arguments)
 {
     const auto* user = static_cast<const GeometryUser*>(arguments->geometryUserPtr);
@@ -51,6 +89,10 @@ void EmbreeKernels::filter(const RTCFilterFunctionNArguments* arguments)
                                                  RTCHitN_primID(arguments->hit, count, i), place);
         vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
         if (place != nullptr && place->mirrored) std::swap(barycentric.x, barycentric.y);
+        if (context->glass != nullptr && passesGlass(arguments, i, triangle, barycentric, place)) {
+            arguments->valid[i] = 0;
+            continue;
+        }
         if (context->blended != nullptr &&
             user->kernels->passesBlended(triangle, barycentric,
                                          context->blended[RTCRayN_id(arguments->ray, count, i)])) {

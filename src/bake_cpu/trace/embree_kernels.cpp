@@ -30,6 +30,14 @@ bool isBack(const RTCHit& hit, vec3 direction)
     return hit.Ng_x * direction.x + hit.Ng_y * direction.y + hit.Ng_z * direction.z > 0.0f;
 }
 
+/// What a ray that hits nothing has met: glass.
+RayHit missOf(vec3 tint)
+{
+    RayHit miss;
+    miss.tint = tint;
+    return miss;
+}
+
 /// Calls body(first, count) for rays eight at a time.
 template<typename Body> void forPackets(std::size_t rayCount, const Body& body)
 {
@@ -42,7 +50,11 @@ template<typename Body> void forPackets(std::size_t rayCount, const Body& body)
 /// A hit of a triangle in the world.
 RayHit EmbreeKernels::hitOf(const RTCHit& hit, vec3 direction, float distance) const
 {
-    return {{scene_.hitIndex(hit.geomID, hit.primID), isBack(hit, direction) ? 1u : 0u}, vec2(hit.u, hit.v), distance};
+    RayHit at;
+    at.face = {scene_.hitIndex(hit.geomID, hit.primID), isBack(hit, direction) ? 1u : 0u};
+    at.barycentric = vec2(hit.u, hit.v);
+    at.distance = distance;
+    return at;
 }
 
 /// Makes a hit of an instance one of a triangle in the world, whose geomID and primID are RayScene's list and index.
@@ -80,21 +92,26 @@ RayHit EmbreeKernels::nearest(const Ray& from, RayUse use) const
     if (from.meetsNothing()) return {};
     const bool camera = use == RayUse::Camera;
     embree::RayContext context(camera);
+    embree::PassedGlass glass;
+    if (scene_.anyTinted()) context.glass = &glass;
+    const auto tintUpTo = [&](float end) { return context.glass != nullptr ? glass.transmittance(end) : vec3(1.0f); };
     float tMin = from.tMin;
     // Camera rays continue behind backs of single-sided surfaces. The limit ends loops on damaged geometry.
     for (int layer = 0; layer < 256; ++layer) {
         RTCRayHit ray = embreeRay({from.origin, tMin, from.direction, from.tMax});
         embree::intersect(tree_, context, ray);
-        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return missOf(tintUpTo(from.tMax));
         toWorld(ray.hit);
         if (!camera) preferFront(from.origin, from.direction, ray.hit, ray.ray.tfar);
-        const RayHit hit = hitOf(ray.hit, from.direction, ray.ray.tfar);
+        RayHit hit = hitOf(ray.hit, from.direction, ray.ray.tfar);
         if (!camera || hit.face.back == 0 ||
-            scene_.materials().of(scene_.triangleOf(ray.hit.geomID, ray.hit.primID)).doubleSided)
+            scene_.materials().of(scene_.triangleOf(ray.hit.geomID, ray.hit.primID)).doubleSided) {
+            hit.tint = tintUpTo(hit.distance);
             return hit;
+        }
         tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + scene_.epsilonAt(from.origin);
     }
-    return {};
+    return missOf(tintUpTo(from.tMax));
 }
 
 void EmbreeKernels::nearestOfPacket(std::span<const Ray> rays, std::span<RayHit> out) const
@@ -106,15 +123,25 @@ void EmbreeKernels::nearestOfPacket(std::span<const Ray> rays, std::span<RayHit>
         packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
     embree::RayContext context(false);
+    std::array<embree::PassedGlass, embree::kPacket> glass;
+    if (scene_.anyTinted()) {
+        context.glass = glass.data();
+        for (unsigned i = 0; i < embree::kPacket; ++i) packet.ray.id[i] = i;
+    }
     embree::intersect8(tree_, context, valid, packet, packets_);
     auto* const hits = reinterpret_cast<RTCHitN*>(&packet.hit);
     for (unsigned i = 0; i < rays.size(); ++i) {
         out[i] = {};
-        if (valid.lane[i] == 0 || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        if (valid.lane[i] == 0) continue;
+        if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
+            if (context.glass != nullptr) out[i].tint = glass[i].transmittance(rays[i].tMax);
+            continue;
+        }
         RTCHit hit = rtcGetHitFromHitN(hits, embree::kPacket, i);
         toWorld(hit);
         preferFront(rays[i].origin, rays[i].direction, hit, packet.ray.tfar[i]);
         out[i] = hitOf(hit, rays[i].direction, packet.ray.tfar[i]);
+        if (context.glass != nullptr) out[i].tint = glass[i].transmittance(out[i].distance);
     }
 }
 
@@ -154,13 +181,19 @@ Status EmbreeKernels::occluded(std::span<const Ray> rays, std::span<bool> out) c
     return {};
 }
 
-Status EmbreeKernels::transmittance(std::span<const Ray> rays, std::span<float> out) const
+Status EmbreeKernels::transmittance(std::span<const Ray> rays, std::span<vec3> out) const
 {
+    if (scene_.anyTinted()) {
+        forPackets(rays.size(), [&](std::size_t first, std::size_t count) {
+            coloredTransmittance(rays.subspan(first, count), out.subspan(first, count));
+        });
+        return {};
+    }
     if (rays.size() == 1) {
         embree::BlendedTransmittance blended;
         embree::RayContext context(false);
         if (scene_.anyBlended()) context.blended = &blended;
-        out[0] = occluded(rays[0], context) ? 0.0f : blended.transmittance;
+        out[0] = vec3(occluded(rays[0], context) ? 0.0f : blended.transmittance);
         return {};
     }
     forPackets(rays.size(), [&](std::size_t first, std::size_t count) {
@@ -173,10 +206,31 @@ Status EmbreeKernels::transmittance(std::span<const Ray> rays, std::span<float> 
         embree::occluded8(tree_, context, valid, packet, packets_);
         for (std::size_t i = 0; i < count; ++i) {
             const bool hidden = valid.lane[i] != 0 && packet.tfar[i] < 0.0f;
-            out[first + i] = hidden ? 0.0f : blended[i].transmittance;
+            out[first + i] = vec3(hidden ? 0.0f : blended[i].transmittance);
         }
     });
     return {};
+}
+
+/// Of one packet, in a scene whose glass has a colour.
+void EmbreeKernels::coloredTransmittance(std::span<const Ray> rays, std::span<vec3> out) const
+{
+    std::array<embree::PassedGlass, embree::kPacket> glass;
+    embree::RayContext context(false);
+    context.glass = glass.data();
+    context.byChance = false;
+    if (rays.size() == 1) {
+        out[0] = occluded(rays[0], context) ? vec3(0.0f) : glass[0].transmittance(rays[0].tMax);
+        return;
+    }
+    RTCRay8 packet;
+    const embree::LaneMask valid = embree::fill(packet, rays);
+    for (unsigned i = 0; i < embree::kPacket; ++i) packet.id[i] = i;
+    embree::occluded8(tree_, context, valid, packet, packets_);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const bool hidden = valid.lane[i] != 0 && packet.tfar[i] < 0.0f;
+        out[i] = hidden ? vec3(0.0f) : glass[i].transmittance(rays[i].tMax);
+    }
 }
 
 Status EmbreeKernels::crossings(std::span<const Ray> rays, std::span<int> out) const

@@ -20,7 +20,7 @@ public:
 
     Status nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use) const override;
     Status occluded(std::span<const Ray> rays, std::span<bool> out) const override;
-    Status transmittance(std::span<const Ray> rays, std::span<float> out) const override;
+    Status transmittance(std::span<const Ray> rays, std::span<vec3> out) const override;
     Status crossings(std::span<const Ray> rays, std::span<int> out) const override;
     bool trianglesNear(vec3 center, float radius, std::size_t most, std::vector<uint32_t>& triangles) const override;
     [[nodiscard]] std::string describe(const std::string& method) const override;
@@ -37,11 +37,14 @@ private:
     [[nodiscard]] RayHit nearest(const Ray& ray, RayUse use) const;
     void nearestOfPacket(std::span<const Ray> rays, std::span<RayHit> out) const;
     [[nodiscard]] bool occluded(const Ray& ray, embree::RayContext& context) const;
+    void coloredTransmittance(std::span<const Ray> rays, std::span<vec3> out) const;
     [[nodiscard]] RayHit hitOf(const RTCHit& hit, vec3 direction, float distance) const;
     void toWorld(RTCHit& hit) const;
     void preferFront(vec3 origin, vec3 direction, RTCHit& hit, float& distance) const;
 
     static void filter(const RTCFilterFunctionNArguments* arguments);
+    static bool passesGlass(const RTCFilterFunctionNArguments* arguments, unsigned lane, uint32_t triangle,
+                            vec2 barycentric, const BakeGeometry::Instance* place);
     static void countSolids(const RTCFilterFunctionNArguments* arguments);
     static void passHiddenBacks(const RTCFilterFunctionNArguments* arguments);
     [[nodiscard]] bool passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const;

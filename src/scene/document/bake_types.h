@@ -30,6 +30,7 @@ struct Rule {
 inline constexpr Rule kBakeRules[] = {
     {"materials/*/extensions/HALFLIGHT_material/castShadows", Kind::Flag},
     {"materials/*/extensions/HALFLIGHT_material/receiveShadows", Kind::Flag},
+    {"materials/*/extensions/HALFLIGHT_material/tinted", Kind::Flag},
     {"nodes/*/extensions/HALFLIGHT_node/static", Kind::Flag},
     {"nodes/*/extensions/HALFLIGHT_node/castShadows", Kind::Flag},
     {"nodes/*/extensions/HALFLIGHT_node/receiveShadows", Kind::Flag},

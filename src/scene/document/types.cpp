@@ -58,7 +58,6 @@ constexpr Rule kRules[] = {
     {"textures/*/extensions/EXT_texture_webp/source", Kind::Index},
     {"textures/*/extensions/KHR_texture_basisu/source", Kind::Index},
     {"textures/*/extensions/MOZ_texture_rgbe/source", Kind::Index},
-
     {"materials/*/alphaMode", Kind::Text},
     {"materials/*/alphaCutoff", Kind::Number},
     {"materials/*/doubleSided", Kind::Flag},
@@ -72,6 +71,9 @@ constexpr Rule kRules[] = {
     {"materials/*/extensions/KHR_materials_emissive_strength/emissiveStrength", Kind::Number},
     {"materials/*/extensions/KHR_materials_specular/specularFactor", Kind::Number},
     {"materials/*/extensions/KHR_materials_transmission/transmissionFactor", Kind::Number},
+    {"materials/*/extensions/KHR_materials_volume/thicknessFactor", Kind::Number},
+    {"materials/*/extensions/KHR_materials_volume/attenuationDistance", Kind::Number},
+    {"materials/*/extensions/KHR_materials_volume/attenuationColor", Kind::Numbers, 3},
     {"materials/*/extensions/KHR_materials_pbrSpecularGlossiness/diffuseFactor", Kind::Numbers, 4},
     {"materials/*/extensions/KHR_materials_pbrSpecularGlossiness/specularFactor", Kind::Numbers, 3},
     {"materials/*/extensions/KHR_materials_pbrSpecularGlossiness/glossinessFactor", Kind::Number},

@@ -48,6 +48,11 @@ Hash128 hashOf(const Material& material, const std::vector<Hash128>& pixels)
     hasher.add(int(material.receiveShadows));
     hasher.add(material.transmission);
     addTexture(hasher, material.transmissionTexture, pixels);
+    hasher.add(int(material.tinted));
+    if (material.attenuates()) {
+        hasher.add(material.attenuationColor).add(material.attenuationMeters).add(material.thickness);
+        addTexture(hasher, material.thicknessTexture, pixels);
+    }
     addTexture(hasher, material.baseColorTexture, pixels);
     addTexture(hasher, material.metallicRoughnessTexture, pixels);
     addTexture(hasher, material.emissiveTexture, pixels);

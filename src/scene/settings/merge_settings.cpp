@@ -66,6 +66,7 @@ void applySettings(const MaterialSettings& settings, Material& material)
 {
     material.castShadows = settings.castShadows.value_or(material.castShadows);
     material.receiveShadows = settings.receiveShadows.value_or(material.receiveShadows);
+    material.tinted = settings.tinted.value_or(material.tinted);
 }
 
 } // namespace halflight

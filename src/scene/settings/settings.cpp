@@ -53,6 +53,7 @@ const std::vector<Key<MaterialSettings>>& materialKeys()
     static const std::vector<Key<MaterialSettings>> keys = {
         {"cast_shadows", [](const Json& v, MaterialSettings& s) { return readBool(v, s.castShadows); }},
         {"receive_shadows", [](const Json& v, MaterialSettings& s) { return readBool(v, s.receiveShadows); }},
+        {"tinted", [](const Json& v, MaterialSettings& s) { return readBool(v, s.tinted); }},
     };
     return keys;
 }

@@ -30,6 +30,7 @@ struct ObjectSettings {
 struct MaterialSettings {
     std::optional<bool> castShadows;
     std::optional<bool> receiveShadows;
+    std::optional<bool> tinted;
 };
 
 struct LightSettings {

@@ -69,6 +69,13 @@ Json materialJson(const Material& material)
         extension = {{"transmissionFactor", material.transmission}};
         writeSlot(extension, "transmissionTexture", material.transmissionTexture);
     }
+    if (material.attenuates()) {
+        Json& extension = json["extensions"]["KHR_materials_volume"];
+        extension = {{"thicknessFactor", material.thickness},
+                     {"attenuationDistance", material.attenuationMeters},
+                     {"attenuationColor", numbers(material.attenuationColor)}};
+        writeSlot(extension, "thicknessTexture", material.thicknessTexture);
+    }
     if (material.unlit) json["extensions"]["KHR_materials_unlit"] = Json::object();
     if (material.alphaMode == Material::AlphaMode::Mask) {
         json["alphaMode"] = "MASK";
@@ -79,6 +86,7 @@ Json materialJson(const Material& material)
     if (material.doubleSided) json["doubleSided"] = true;
     if (!material.castShadows) json["extras"]["halflight_cast_shadows"] = false;
     if (!material.receiveShadows) json["extras"]["halflight_receive_shadows"] = false;
+    if (material.tinted) json["extras"]["halflight_tinted"] = true;
     return json;
 }
 

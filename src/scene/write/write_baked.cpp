@@ -61,16 +61,17 @@ private:
         }
     }
 
-    /// A record where something is off, and none elsewhere.
+    /// A record where something is off or the material is tinted, and none elsewhere.
     void writeMaterials()
     {
         for (const Material& material : scene_.materials) {
             if (material.sourceMaterial < 0) continue;
             Json& json = patcher_.json["materials"][std::size_t(material.sourceMaterial)];
             eraseExtension(json, kMaterialExtension);
-            if (material.castShadows && material.receiveShadows) continue;
-            json["extensions"][kMaterialExtension] = {{"castShadows", material.castShadows},
-                                                      {"receiveShadows", material.receiveShadows}};
+            if (material.castShadows && material.receiveShadows && !material.tinted) continue;
+            Json& record = json["extensions"][kMaterialExtension];
+            record = {{"castShadows", material.castShadows}, {"receiveShadows", material.receiveShadows}};
+            if (material.tinted) record["tinted"] = true;
             materialRecords_ = true;
         }
         writeScaledEmission(patcher_.json, scene_);

@@ -99,8 +99,17 @@ void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& ra
     }
     for (const std::size_t s : emissive.samples())
         set(s, radianceOf(s) + emission(group, laneOf(s), number, int(stratumOf(s))));
+    if (paths_.surfaces().anyTinted()) tint(radiance);
     for (const std::size_t s : continued.samples())
         set(s, continuation(group, laneOf(s), number, int(stratumOf(s)), rays));
+}
+
+/// Takes the colour of the glass that rays have passed.
+void FinalGather::tint(Radiances& radiance) const
+{
+    for (std::size_t stratum = 0; stratum < radiance.size(); ++stratum)
+        for (std::size_t lane = 0; lane < kLanes; ++lane)
+            radiance[stratum].set(lane, radiance[stratum][lane] * block_.bundle.hits[stratum][lane].tint);
 }
 
 /// Emission at the end of a ray with its MIS weight.

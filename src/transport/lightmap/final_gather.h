@@ -23,6 +23,7 @@ public:
 private:
     using Radiances = std::array<Vec3Lanes, StratifiedPattern::kBlock>;
     void gatherBlock(const GatherGroup& group, int number, uint64_t& rays);
+    void tint(Radiances& radiance) const;
     void weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays);
     void sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates, uint64_t& rays);
     [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int number, int stratum) const;

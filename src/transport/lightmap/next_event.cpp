@@ -236,11 +236,11 @@ void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, Gathe
     }
     if (traced == 0) return;
     rays += traced;
-    std::array<float, kLanes> transmittance;
+    std::array<vec3, kLanes> transmittance;
     paths_.surfaces().transmittance(batch, transmittance);
     Vec3Lanes irradiance;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const bool lit = !batch[lane].meetsNothing() && transmittance[lane] > 0.0f;
+        const bool lit = !batch[lane].meetsNothing() && transmittance[lane] != vec3(0.0f);
         irradiance.set(lane, lit ? lanes.radiance[lane] * (unshadowed[lane] * transmittance[lane]) : vec3(0.0f));
     }
     block.sums.add(stratum, irradiance, batch);

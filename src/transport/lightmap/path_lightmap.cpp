@@ -44,7 +44,7 @@ vec3 lightAt(const PathTracer& paths, const PunctualLight& light, const SurfaceP
     const vec3 direct = light.irradianceAt(point.position, point.normal);
     if (direct == vec3(0.0f)) return direct;
     const vec2 disc = shading::sampleDisc(sampler.next2());
-    return direct * glm::mix(1.0f, paths.direct().lightVisibility(light, point, disc, rays), light.shadowStrength);
+    return direct * shadowOf(light, paths.direct().lightVisibility(light, point, disc, rays));
 }
 
 /// Whether a random walk from a point leaves the scene, meets a surface that emits, or comes in sight of an eye.

@@ -96,7 +96,7 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
     const vec3 direction = bundle_.direction(stratum, lane);
     const RayHit& hit = bundle_.hit(stratum, lane);
     if (!hit.found()) {
-        samples.gathered += paths_.light().sky().dimRadiance(direction);
+        samples.gathered += hit.tint * paths_.light().sky().dimRadiance(direction);
         return;
     }
     const PatchId target = pass_.targetOf(hit.face, hit.barycentric);
@@ -104,13 +104,15 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
         addPath(group, lane, block, stratum, source);
         return;
     }
+    if (hit.tint != vec3(1.0f)) out_.tinted.push_back({uint32_t(out_.links.size()), hit.tint});
     out_.links.push_back(target);
     ++samples.linkCount;
     if (pass_.kind() == PassKind::Fronts) findNear(source, target, hit);
     if (!pass_.layout().emissive(hit.face)) return;
     const GatherGroup::Origin& s = group.origin(lane, number);
-    samples.gathered += paths_.direct().weightedEmission(tracer_.surfaceAt(hit), direction, {s.position, s.normal},
-                                                         gatherPdf(s.normal, direction));
+    samples.gathered +=
+        hit.tint * paths_.direct().weightedEmission(tracer_.surfaceAt(hit), direction, {s.position, s.normal},
+                                                    gatherPdf(s.normal, direction));
 }
 
 /// Continues a ray that hits no patch as a path. Its radiance is split by the number of reflections.
@@ -160,7 +162,7 @@ void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
         if (s.choice.light == nullptr) continue;
         packet.add(lane, *s.choice.light, *s.point, s.choice.disc, rays_);
     }
-    const std::array<float, kLanes> transmittance = packet.trace();
+    const std::array<vec3, kLanes> transmittance = packet.trace();
     for (int lane = 0; lane < kLanes; ++lane) {
         LaneSample& s = samples[std::size_t(lane)];
         if (s.source == kNoPatch) continue;

@@ -33,9 +33,15 @@ struct FormFactorRange {
         vec3 radiance{0.0f};
     };
     std::vector<LateRadiance> late;
+    /// A link through glass that has a colour. In the order of `links`.
+    struct TintedLink {
+        uint32_t link = 0; ///< index into `links`
+        vec3 tint{1.0f};   ///< RayHit::tint
+    };
+    std::vector<TintedLink> tinted;
     std::vector<PatchId> hitNear; ///< patches hit from less than half their width
 
-    template<typename Archive> void archive(Archive& a) { a(samples, links, late, hitNear); }
+    template<typename Archive> void archive(Archive& a) { a(samples, links, late, tinted, hitNear); }
     /// Samples of a patch that are among the last 64; for sums without links.
     PatchSamples& recent(PatchId patch)
     {

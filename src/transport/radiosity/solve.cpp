@@ -224,8 +224,23 @@ private:
             const FormFactorRange::LateRadiance& late = range.late[term.first];
             return late.reflections < uint32_t(bounce) ? late.radiance : sum;
         }
+        if (!range.tinted.empty()) return tintedLinks(range, term);
         for (const PatchId target : std::span(range.links).subspan(term.first, term.count)) {
             if (target != kNoPatch) sum += reflected_[target];
+        }
+        return sum;
+    }
+
+    /// The same for links some of which go through glass that has a colour.
+    [[nodiscard]] vec3 tintedLinks(const FormFactorRange& range, const Term& term) const
+    {
+        auto tinted = std::lower_bound(range.tinted.begin(), range.tinted.end(), term.first,
+                                       [](const auto& t, uint32_t link) { return t.link < link; });
+        vec3 sum(0.0f);
+        for (uint32_t link = term.first; link < term.first + term.count; ++link) {
+            const bool isTinted = tinted != range.tinted.end() && tinted->link == link;
+            const vec3 tint = isTinted ? (tinted++)->tint : vec3(1.0f);
+            if (range.links[link] != kNoPatch) sum += tint * reflected_[range.links[link]];
         }
         return sum;
     }

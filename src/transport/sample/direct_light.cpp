@@ -51,18 +51,18 @@ Ray DirectLight::shadowRay(const PunctualLight& light, const SurfacePoint& point
     return {origin, tracer_.epsilonAt(point.position), ray.direction, ray.distance * kShortOfSurface};
 }
 
-float DirectLight::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc,
-                                   uint64_t& rays) const
+vec3 DirectLight::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc,
+                                  uint64_t& rays) const
 {
-    if (!shadowsFall(light, point)) return 1.0f;
+    if (!shadowsFall(light, point)) return vec3(1.0f);
     const Ray ray = shadowRay(light, point, disc, rays);
     return tracer_.transmittance(ray.origin, ray.direction, ray.tMin, ray.tMax);
 }
 
-float DirectLight::lightVisibilityInSpace(const PunctualLight& light, vec3 position, const LightRay& ray,
-                                          uint64_t& rays) const
+vec3 DirectLight::lightVisibilityInSpace(const PunctualLight& light, vec3 position, const LightRay& ray,
+                                         uint64_t& rays) const
 {
-    if (!light.castShadows) return 1.0f;
+    if (!light.castShadows) return vec3(1.0f);
     ++rays;
     return tracer_.transmittance(position, ray.direction, 0.0f, ray.distance * kShortOfSurface);
 }
@@ -88,9 +88,9 @@ DirectLight::EmitterAtSurface DirectLight::emitterIrradiance(const SurfacePoint&
     const NextEventContribution next = s.from(receiver.position, receiver.normal, point.geometricNormal);
     if (next.distance <= 0.0f || s.radiance == vec3(0.0f)) return {};
     ++rays;
-    const float transmittance =
+    const vec3 transmittance =
         tracer_.transmittance(receiver.position, next.direction, 0.0f, next.distance * kShortOfSurface);
-    if (transmittance <= 0.0f) return {};
+    if (transmittance == vec3(0.0f)) return {};
     return {next.direction, s.radiance * (transmittance * next.factor / survival)};
 }
 
@@ -104,7 +104,7 @@ DirectLight::EmitterAtSurface DirectLight::skyIrradiance(const SurfacePoint& poi
     const float cosine = glm::dot(point.normal, s.direction);
     if (cosine <= 0.0f || glm::dot(point.geometricNormal, s.direction) <= 0.0f) return {};
     ++rays;
-    const float transmittance = tracer_.transmittance(tracer_.rayOrigin(point), s.direction, 0.0f, kInfinity);
+    const vec3 transmittance = tracer_.transmittance(tracer_.rayOrigin(point), s.direction, 0.0f, kInfinity);
     return {s.direction, s.radiance * (transmittance * cosine / (s.pdf * survival))};
 }
 
@@ -124,7 +124,7 @@ DirectLight::EmitterInSpace DirectLight::emitterInSpace(vec3 position, float dir
     const EmitterSample::Seen seen = s.seenFrom(position);
     if (seen.pdf <= 0.0f) return {};
     ++rays;
-    const float transmittance = tracer_.transmittance(position, seen.direction, 0.0f, seen.distance * kShortOfSurface);
+    const vec3 transmittance = tracer_.transmittance(position, seen.direction, 0.0f, seen.distance * kShortOfSurface);
     const float weight = s.rayVisible ? powerHeuristic(seen.pdf, directionPdf) : 1.0f;
     return {seen.direction, s.radiance * (transmittance * weight / seen.pdf)};
 }

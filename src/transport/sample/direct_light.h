@@ -55,9 +55,9 @@ public:
     /// Shadow ray from a surface point to a point of a light's disc.
     Ray shadowRay(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
     /// Transmittance along such a ray; 1 for lights without shadows.
-    float lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
+    vec3 lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
     /// The same for a point in space and a ray of sampleLightRay() from there.
-    float lightVisibilityInSpace(const PunctualLight& light, vec3 position, const LightRay& ray, uint64_t& rays) const;
+    vec3 lightVisibilityInSpace(const PunctualLight& light, vec3 position, const LightRay& ray, uint64_t& rays) const;
 
     /// Whether the light, the object and the material cast and receive shadows.
     [[nodiscard]] bool shadowsFall(const PunctualLight& light, const SurfacePoint& point) const

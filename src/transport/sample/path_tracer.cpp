@@ -63,6 +63,7 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         (*byBounce)[std::size_t(reflections)] += throughput * light;
     };
     for (int depth = 0;; ++depth) {
+        throughput *= at.tint;
         if (!at.found()) {
             add(light_.sky().dimRadiance(direction), depth);
             break;

@@ -66,8 +66,9 @@ public:
     Incoming incoming(const Receiver& receiver, vec3 direction, float directionPdf, int bounces, Sampler& sampler,
                       uint64_t& rays) const;
 
-    /// Radiance that a hit sends back along `direction`, after at most `bounces` reflections. The path ends where
-    /// `lookup` has the radiance. `byBounce`, if given, receives the parts of 0, 1, … reflections.
+    /// Radiance that a hit sends back along `direction`, through the glass before it, after at most `bounces`
+    /// reflections. The path ends where `lookup` has the radiance. `byBounce`, if given, receives the parts of 0, 1, …
+    /// reflections.
     vec3 pathRadiance(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
                       uint64_t& rays, const RadianceLookup& lookup = {}, std::vector<vec3>* byBounce = nullptr) const;
 
@@ -78,7 +79,7 @@ public:
         vec3 direction{0.0f}; ///< of the ray that goes on
         float pdf = 0.0f;     ///< of the direction, per steradian
         Receiver from;
-        RayHit next; ///< where `throughput` is not zero
+        RayHit next; ///< where `throughput` is not zero; its tint is not in `throughput`
     };
     /// One sample of the lobe of a hit, over `probability`, that with which the lobe is sampled. Light that arrives is
     /// throughput times the radiance along the next ray, where emission of surfaces has the weight of

@@ -14,6 +14,20 @@
 
 namespace halflight {
 
+/// Share of a light that its shadow leaves, by colour.
+inline vec3 shadowOf(const PunctualLight& light, vec3 transmittance)
+{
+    const auto of = [&](float share) { return glm::mix(1.0f, share, light.shadowStrength); };
+    return {of(transmittance.x), of(transmittance.y), of(transmittance.z)};
+}
+
+/// The same share for what has no colour, as masks: of coloured light that of its luminance.
+inline float grayOf(vec3 transmittance)
+{
+    const bool gray = transmittance.x == transmittance.y && transmittance.x == transmittance.z;
+    return gray ? transmittance.x : luminance(transmittance);
+}
+
 /// Punctual lights, emissive surfaces and the sky, with what chooses among them. Immutable after construction.
 class SceneLight {
 public:
@@ -37,9 +51,9 @@ public:
         vec3 unshadowed{0.0f}; ///< irradiance (or what chooseLight() is given) / probability of the light
         vec2 disc{0.0f};
 
-        [[nodiscard]] vec3 irradiance(float transmittance) const
+        [[nodiscard]] vec3 irradiance(vec3 transmittance) const
         {
-            return light != nullptr ? unshadowed * glm::mix(1.0f, transmittance, light->shadowStrength) : vec3(0.0f);
+            return light != nullptr ? unshadowed * shadowOf(*light, transmittance) : vec3(0.0f);
         }
     };
     /// One light, chosen in proportion to the luminance of contribution(light, disc, probability), which is divided by

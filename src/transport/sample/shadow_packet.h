@@ -18,10 +18,10 @@ public:
         any_ = true;
     }
     /// Transmittance of each lane; 1 for lanes without a ray.
-    std::array<float, kLanes> trace()
+    std::array<vec3, kLanes> trace()
     {
-        std::array<float, kLanes> result;
-        result.fill(1.0f);
+        std::array<vec3, kLanes> result;
+        result.fill(vec3(1.0f));
         if (any_) paths_.surfaces().transmittance(rays_, result);
         return result;
     }

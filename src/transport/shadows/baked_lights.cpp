@@ -22,6 +22,15 @@ struct Received {
     vec3 moment{0.0f}; ///< luminance of the irradiance times mean direction; shorter by an area light's size
 };
 
+/// Moment of what a shadow leaves.
+vec3 momentOf(const Received& light, vec3 transmittance)
+{
+    const bool gray = transmittance.x == transmittance.y && transmittance.x == transmittance.z;
+    const float share =
+        gray ? transmittance.x : luminance(transmittance * light.irradiance) / luminance(light.irradiance);
+    return share * light.moment;
+}
+
 // From so many longer half sides on, four points in an area light stand for it: their irradiance errs by 3 times the
 // fourth power of half side over distance at most, which is 0.24 %. From a third of that on, sixteen give its
 // direction.
@@ -190,7 +199,8 @@ Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> l
     const auto rays = float(pass.timesOnEdges * pass.samples);
     const Progress shadows = partOf(pass.progress, 0.0, 0.9);
     std::vector<LitSum> counts;
-    if (Status s = traceShadows(pass.of(pass.texels, shadows), sources, counts); !s) return s;
+    std::vector<vec3> colors;
+    if (Status s = traceShadows(pass.of(pass.texels, shadows), sources, counts, &colors); !s) return s;
     const auto addTo = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             IrradianceEstimate& estimate = out[places[i]];
@@ -200,12 +210,14 @@ Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> l
                 const LitSum& lit = counts[i * lights.size() + l];
                 if (!lit.any()) continue;
                 const float strength = lights[l]->shadowStrength;
-                const float transmittance = glm::mix(1.0f, lit.share(), strength);
-                if (transmittance <= 0.0f) continue;
+                const vec3 share =
+                    colors.empty() ? vec3(lit.share()) : glm::min(colors[i * lights.size() + l] / lit.all, vec3(1.0f));
+                const vec3 transmittance = shadowOf(*lights[l], share);
+                if (transmittance == vec3(0.0f)) continue;
                 const Received light = unshadowed.of(*lights[l]);
                 estimate.irradiance += transmittance * light.irradiance;
                 estimate.direct += transmittance * light.irradiance;
-                estimate.moment += transmittance * light.moment;
+                estimate.moment += momentOf(light, transmittance);
                 // Binomial variance of the lit share; partly lit texels have all rays.
                 const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
                 const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / rays;

@@ -21,8 +21,9 @@ constexpr int kMostHalves = kMostRays / (2 * ShadowRays::kHalf) * 2;
 
 class ShadowTracer {
 public:
-    ShadowTracer(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts)
-        : pass_(pass), sources_(sources), counts_(counts), asked_(pass.map, pass.texels), set_(asked_)
+    ShadowTracer(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts,
+                 std::vector<vec3>& colors)
+        : pass_(pass), sources_(sources), counts_(counts), colors_(colors), asked_(pass.map, pass.texels), set_(asked_)
     {
         set_.extend([&](uint32_t texel, const auto& add) { pass.grid.around(texel, kAgreeRadius, add); });
         whole_ = set_.size() == asked_.size();
@@ -75,18 +76,20 @@ private:
     void traceFirst(const ShadowGroup& group, std::size_t first, uint64_t& rays)
     {
         // The rays of a texel with invalid points do not count.
-        std::array<LitSum*, kLanes> counted{};
+        constexpr std::size_t kNone = ~std::size_t(0);
+        std::array<std::size_t, kLanes> counted;
+        counted.fill(kNone);
         for (int lane = 0; lane < group.lanes(); ++lane) {
             std::size_t number = 0;
             if (isAsked(group.texel(lane), number) && validPoints(number) == kAllPoints)
-                counted[std::size_t(lane)] = &counts_[number * sourceCount()];
+                counted[std::size_t(lane)] = number * sourceCount();
         }
         for (std::size_t s = 0; s < sourceCount(); ++s) {
             const ShadowRays shadows(pass_.paths, pass_.pattern, sources_[s]);
             const ShadowRays::Sums sums = shadows.trace(group, ~0u, 0, rays);
             for (std::size_t lane = 0; lane < std::size_t(group.lanes()); ++lane) {
-                first_[(first + lane) * sourceCount() + s] = sums[lane].range;
-                if (counted[lane] != nullptr) counted[lane][s].add(sums[lane]);
+                first_[(first + lane) * sourceCount() + s] = sums.lit[lane].range;
+                if (counted[lane] != kNone) add(counted[lane] + s, sums, lane);
             }
         }
     }
@@ -225,14 +228,21 @@ private:
             if (wanted == 0) continue;
             const ShadowRays shadows(pass_.paths, pass_.pattern, sources_[s]);
             const ShadowRays::Sums sums = shadows.trace(points, wanted, half, rays);
-            for (std::size_t lane = 0; lane < lanes; ++lane)
-                counts_[list_[first + lane] * sourceCount() + s].add(sums[lane]);
+            for (std::size_t lane = 0; lane < lanes; ++lane) add(list_[first + lane] * sourceCount() + s, sums, lane);
         }
+    }
+
+    /// Adds a lane's sums to those of a texel and source.
+    void add(std::size_t place, const ShadowRays::Sums& sums, std::size_t lane)
+    {
+        counts_[place].add(sums.lit[lane]);
+        if (!colors_.empty()) colors_[place] += sums.colors[lane];
     }
 
     const ShadowPass& pass_;
     const std::vector<ShadowSource>& sources_;
     std::vector<LitSum>& counts_; ///< by texel of the pass and source
+    std::vector<vec3>& colors_;   ///< the same, or empty
     TexelSet asked_;
     TexelSet set_;                ///< the pass's texels and their neighbours
     bool whole_;                  ///< both sets are the same
@@ -244,12 +254,16 @@ private:
 
 } // namespace
 
-Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts)
+Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts,
+                    std::vector<vec3>* colors)
 {
     assert(sources.size() <= kMaxShadowSources);
     counts = largeVector<LitSum>(pass.texels.size() * sources.size());
     if (sources.empty()) return {};
-    return ShadowTracer(pass, sources, counts).trace();
+    std::vector<vec3> none;
+    if (colors != nullptr && pass.paths.surfaces().anyTinted())
+        *colors = largeVector<vec3>(pass.texels.size() * sources.size());
+    return ShadowTracer(pass, sources, counts, colors != nullptr ? *colors : none).trace();
 }
 
 } // namespace halflight

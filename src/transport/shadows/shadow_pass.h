@@ -34,7 +34,9 @@ struct ShadowPass {
 /// Traces 8 rays per texel and source. Where all rays within 3 texels agree, lit or shadowed, that is the result. The
 /// other texels get half of `samples`, texels beside an edge all, and partly lit ones `timesOnEdges` times as many.
 /// Counts are by texel and source.
+/// `colors`, if given, gets the sums of weight times transmittance by colour, in scenes whose glass has one.
 constexpr std::size_t kMaxShadowSources = 32;
-Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts);
+Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts,
+                    std::vector<vec3>* colors = nullptr);
 
 } // namespace halflight

@@ -77,7 +77,7 @@ struct LitRange {
     [[nodiscard]] bool isDark() const { return int(most) <= kAlike; }
 };
 
-/// Weighted sum of the transmittances of some rays to one light.
+/// Weighted sum of the transmittances of some rays to one light; of coloured ones their luminance counts.
 struct LitSum {
     float lit = 0.0f;
     float all = 0.0f; ///< sum of weights
@@ -164,11 +164,15 @@ public:
     static int halvesOf(int samples) { return std::max(1, (samples + kHalf - 1) / kHalf); }
 
     /// One half-batch of all active lanes in `wanted` (a bit each), from the points of the group. By lane.
-    using Sums = std::array<LitSum, kLanes>;
+    struct Sums {
+        std::array<LitSum, kLanes> lit;
+        std::array<vec3, kLanes> colors{}; ///< sums of weight times transmittance, by colour
+    };
     Sums trace(const ShadowGroup& group, uint32_t wanted, int half, uint64_t& rays) const
     {
         Sums sums;
         if (!source_.lights.mayReach(group.bounds())) return sums;
+        const bool colored = paths_.surfaces().anyTinted();
         std::array<ShadowSource::Target, kLanes> targets;
         for (int i = 0; i < kHalf; ++i) {
             ShadowPacket packet(paths_);
@@ -183,10 +187,12 @@ public:
                 if (targets[l].light == nullptr) continue;
                 packet.add(lane, *targets[l].light, point, disc, rays);
             }
-            const std::array<float, kLanes> transmittance = packet.trace();
+            const std::array<vec3, kLanes> transmittance = packet.trace();
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 const ShadowSource::Target& target = targets[lane];
-                if (target.light != nullptr) sums[lane].add(transmittance[lane], target.weight);
+                if (target.light == nullptr) continue;
+                sums.lit[lane].add(grayOf(transmittance[lane]), target.weight);
+                if (colored) sums.colors[lane] += target.weight * transmittance[lane];
             }
         }
         return sums;

@@ -1,5 +1,6 @@
 #include "transport/trace/materials.h"
 
+#include "scene/model/tint.h"
 #include "shading/srgb_table.h"
 #include "transport/trace/texture_filter.h"
 
@@ -78,6 +79,13 @@ TransportMaterial transportMaterial(const Scene& scene, const Material& m)
     t.opaque = m.isOpaque();
     t.blended = m.isBlended();
     t.transmission = usable(m.transmissionTexture);
+    t.thickness = usable(m.thicknessTexture);
+    if (m.attenuates()) {
+        constexpr float kLn2 = 0.69314718f;
+        constexpr float kBlack = 1.0e-30f; // a colour of 0 has a logarithm, and leaves nothing
+        for (int c = 0; c < 3; ++c)
+            t.attenuation[c] = -kLn2 * math::log2(std::max(m.attenuationColor[c], kBlack)) / m.attenuationMeters;
+    }
     t.doubleSided = m.doubleSided;
     t.unlit = m.unlit;
     return t;
@@ -89,6 +97,7 @@ Materials::Materials(const Scene& scene, const BakeGeometry& geometry) : scene_(
 {
     for (const Material& material : scene.materials) materials_.push_back(transportMaterial(scene, material));
     materials_.push_back(transportMaterial(scene, defaultMaterial()));
+    findTints();
     std::vector<uint8_t> used(scene.textures.size(), 0);
     for (const TransportMaterial& m : materials_) {
         for (const TextureRef& ref : {m.baseColor, m.emissive, m.metallicRoughness}) {
@@ -101,6 +110,20 @@ Materials::Materials(const Scene& scene, const BakeGeometry& geometry) : scene_(
             if (used[i] != 0) smallTextures_[i] = shrink(scene.textures[i].pixels);
         }
     });
+}
+
+/// Finds the materials whose glass has a colour: by factor, texture or vertices, or by its volume.
+void Materials::findTints()
+{
+    for (TransportMaterial& m : materials_) m.tints = tintsLight(*m.source);
+    if (geometry_.colors.empty()) return;
+    for (const BakeGeometry::Part& part : geometry_.parts) {
+        TransportMaterial& m = part.material < 0 ? materials_.back() : materials_[std::size_t(part.material)];
+        if (m.tints || !passesBaseColor(*m.source)) continue;
+        const auto first = geometry_.colors.begin() + std::ptrdiff_t(part.firstVertex);
+        m.tints = std::any_of(first, first + std::ptrdiff_t(part.vertexCount),
+                              [](const vec4& color) { return vec3(color) != vec3(1.0f); });
+    }
 }
 
 const TransportMaterial& Materials::of(uint32_t triangle) const
@@ -152,6 +175,46 @@ float Materials::coverageAt(uint32_t triangle, vec2 barycentric) const
     if (material.source->transmission <= 0.0f) return material.source->coverage(alpha, 0.0f, 0.0f);
     const float metallic = material.metallicFactor * dataAt(triangle, barycentric, material.metallicRoughness).z;
     return material.source->coverage(alpha, metallic, dataAt(triangle, barycentric, material.transmission).x);
+}
+
+Materials::Glass Materials::glassAt(uint32_t triangle, vec2 barycentric, vec3 direction) const
+{
+    const TransportMaterial& material = of(triangle);
+    vec4 color(material.baseColorFactor, alphaAt(triangle, barycentric, material));
+    if (material.baseColor) {
+        const Texture& texture = scene_.textures[std::size_t(material.baseColor.texture)];
+        color *= vec4(
+            texelQuad(texture, textureCoordinate(triangle, barycentric, material.baseColor)).filtered(linearOf), 1.0f);
+    }
+    if (!geometry_.colors.empty()) color *= vec4(vec3(vertexColor(triangle, barycentric)), 1.0f);
+    const bool solid = material.attenuation != vec3(0.0f) && geometry_.isSolid(triangle);
+    const bool thin = material.attenuation != vec3(0.0f) && !solid;
+    const vec3 behind = thin ? thicknessLeaves(triangle, barycentric, direction) : vec3(1.0f);
+    const float metallic = material.metallicFactor * dataAt(triangle, barycentric, material.metallicRoughness).z;
+    const float texel = dataAt(triangle, barycentric, material.transmission).x;
+    Glass glass;
+    glass.coverage = material.source->coverage(color.w, metallic, texel);
+    glass.passed = material.source->passed(color, metallic, texel, behind);
+    if (solid) glass.attenuation = material.attenuation;
+    return glass;
+}
+
+/// Share of light that the thickness behind a surface of no solid leaves, on a straight way. A thickness is in the
+/// mesh's space: along the normal n of the world it is |M^T n| times as much, M = world from object.
+vec3 Materials::thicknessLeaves(uint32_t triangle, vec2 barycentric, vec3 direction) const
+{
+    constexpr float kLeastCosine = 1.0e-4f;
+    const TransportMaterial& material = of(triangle);
+    const vec3 normal = geometry_.geometricNormal(triangle);
+    const int object = geometry_.partOf(triangle).object;
+    const mat3 worldFromObject(object < 0 ? mat4(1.0f) : scene_.objects[std::size_t(object)].worldFromObject);
+    const float scale = glm::length(glm::transpose(worldFromObject) * normal);
+    const float cosine = std::abs(glm::dot(normal, direction)) / glm::length(direction);
+    const float meters = material.source->thickness * dataAt(triangle, barycentric, material.thickness).y * scale /
+                         std::max(cosine, kLeastCosine);
+    vec3 leaves;
+    for (int c = 0; c < 3; ++c) leaves[c] = math::exp(-material.attenuation[c] * meters);
+    return leaves;
 }
 
 /// Of a texture at full resolution, filtered; 1 where there is none.

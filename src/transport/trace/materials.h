@@ -27,6 +27,9 @@ struct TransportMaterial {
     bool opaque = true;               ///< Material::isOpaque()
     bool blended = false;             ///< Material::isBlended()
     TextureRef transmission;
+    TextureRef thickness;
+    vec3 attenuation{0.0f}; ///< of the volume behind the surface, in 1/m
+    bool tints = false;     ///< light that passes takes a colour
     bool doubleSided = false;
     bool unlit = false;
 };
@@ -58,6 +61,14 @@ public:
     [[nodiscard]] const TransportMaterial& of(uint32_t triangle) const;
     /// Probability that a ray hits the surface there: Material::coverage().
     [[nodiscard]] float coverageAt(uint32_t triangle, vec2 barycentric) const;
+    /// What glass does to light that passes a point of it.
+    struct Glass {
+        float coverage = 1.0f;  ///< coverageAt()
+        vec3 passed{0.0f};      ///< Material::passed(), through a thickness where the surface is of no solid
+        vec3 attenuation{0.0f}; ///< of the solid behind the surface, in 1/m
+    };
+    /// `direction`: of the light, in the world.
+    [[nodiscard]] Glass glassAt(uint32_t triangle, vec2 barycentric, vec3 direction) const;
     [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
     [[nodiscard]] SurfaceReflectance reflectanceAt(uint32_t triangle, vec2 barycentric) const;
     /// Whether the back of a triangle is hidden: inside a solid, or the back of a single-sided surface.
@@ -74,6 +85,8 @@ public:
 private:
     [[nodiscard]] vec4 dataAt(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
     [[nodiscard]] float alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const;
+    [[nodiscard]] vec3 thicknessLeaves(uint32_t triangle, vec2 barycentric, vec3 direction) const;
+    void findTints();
     [[nodiscard]] u8vec4 smallTexel(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
 
     const Scene& scene_;

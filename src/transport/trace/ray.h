@@ -19,7 +19,7 @@ static_assert(sizeof(FaceId) == 4);
 struct Ray {
     vec3 origin{0.0f};
     float tMin = 0.0f;
-    vec3 direction{0.0f}; ///< tMin and tMax count in its length; nearest() needs a unit vector
+    vec3 direction{0.0f}; ///< tMin and tMax count in its length; nearest() and transmittance() need a unit vector
     float tMax = -1.0f;
 
     [[nodiscard]] bool meetsNothing() const { return !(tMax >= tMin); }
@@ -29,14 +29,15 @@ static_assert(sizeof(Ray) == 32);
 /// Share of the way to a point on a surface at which shadow rays end, so that rounding does not make them hit it.
 constexpr float kShortOfSurface = 1.0f - 1.0e-4f;
 
-/// The nearest surface along a ray, without its properties.
+/// The nearest surface along a ray, without its properties, and what the glass before it does to light.
 struct RayHit {
     FaceId face;
     vec2 barycentric{0.0f};                                  ///< weights of vertices 1 and 2 of the triangle
     float distance = std::numeric_limits<float>::infinity(); ///< infinite: nothing was hit
+    vec3 tint{1.0f};                                         ///< see RayKernels::nearest()
 
     [[nodiscard]] bool found() const { return distance < std::numeric_limits<float>::infinity(); }
 };
-static_assert(sizeof(RayHit) == 16);
+static_assert(sizeof(RayHit) == 28);
 
 } // namespace halflight

@@ -28,12 +28,15 @@ public:
     virtual ~RayKernels() = default;
 
     /// The nearest surface. A surface that covers part of its triangle is hit with that probability, by a hash of the
-    /// ray. Where two surfaces lie back to back, a front is preferred to a hidden back.
+    /// ray. Where two surfaces lie back to back, a front is preferred to a hidden back. Light along the ray counts
+    /// times RayHit::tint, also where nothing is hit: the colour of the glass that the ray passed, over the probability
+    /// with which it passed.
     virtual Status nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use = RayUse::Light) const = 0;
     /// Whether any shadow caster lies between tMin and tMax.
     virtual Status occluded(std::span<const Ray> rays, std::span<bool> out) const = 0;
-    /// Fraction of light that passes: 0 behind an opaque surface, else the product of 1 - alpha of the blended ones.
-    virtual Status transmittance(std::span<const Ray> rays, std::span<float> out) const = 0;
+    /// Fraction of light that passes, by colour: 0 behind an opaque surface, else the product of what the blended ones
+    /// let through (Material::passed()) and of the volumes between.
+    virtual Status transmittance(std::span<const Ray> rays, std::span<vec3> out) const = 0;
     /// Solids that a ray leaves on its way out of the scene, minus those that it enters; above 0, the origin is inside
     /// one. All surfaces count, however near to one another: solids may share a face. 0 for a ray through very many.
     virtual Status crossings(std::span<const Ray> rays, std::span<int> out) const = 0;

@@ -12,6 +12,7 @@ RayScene::RayScene(const Scene& scene, const BakeGeometry& geometry)
         if (part.triangleCount == 0 || part.side == SurfaceSide::Back) continue;
         const TransportMaterial& material = materials_.of(part.firstTriangle);
         anyBlended_ = anyBlended_ || material.blended;
+        anyTinted_ = anyTinted_ || material.tints;
         if (part.instance != BakeGeometry::kOwn) {
             for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
                 bounds.extend(geometry_.positionOf(part, v));

@@ -26,6 +26,8 @@ public:
     /// As BakeGeometry counts them.
     [[nodiscard]] std::span<const uint32_t> trianglesOf(GeometryKind kind) const { return trianglesOfKind_[kind]; }
     [[nodiscard]] bool anyBlended() const { return anyBlended_; }
+    /// Whether light that passes some surface takes a colour.
+    [[nodiscard]] bool anyTinted() const { return anyTinted_; }
 
     /// A triangle of a list, as BakeGeometry counts them. `index`: in an instance's list, into MeshTree::triangles.
     [[nodiscard]] uint32_t triangleOf(uint32_t list, uint32_t index) const
@@ -73,6 +75,7 @@ private:
     std::vector<uint32_t> firstHit_; ///< by list, hit index of its first triangle; then their number
     float sceneScale_ = 1.0f;
     bool anyBlended_ = false;
+    bool anyTinted_ = false;
 };
 
 } // namespace halflight

@@ -40,9 +40,9 @@ public:
     {
         if (Status status = kernels_->occluded(rays, out); !status) fail(status.error(), out, false);
     }
-    void transmittance(std::span<const Ray> rays, std::span<float> out) const
+    void transmittance(std::span<const Ray> rays, std::span<vec3> out) const
     {
-        if (Status status = kernels_->transmittance(rays, out); !status) fail(status.error(), out, 1.0f);
+        if (Status status = kernels_->transmittance(rays, out); !status) fail(status.error(), out, vec3(1.0f));
     }
     void crossings(std::span<const Ray> rays, std::span<int> out) const
     {
@@ -64,10 +64,10 @@ public:
         occluded({&ray, 1}, {&hit, 1});
         return hit;
     }
-    [[nodiscard]] float transmittance(vec3 origin, vec3 direction, float tMin, float tMax) const
+    [[nodiscard]] vec3 transmittance(vec3 origin, vec3 direction, float tMin, float tMax) const
     {
         const Ray ray{origin, tMin, direction, tMax};
-        float share = 1.0f;
+        vec3 share(1.0f);
         transmittance({&ray, 1}, {&share, 1});
         return share;
     }

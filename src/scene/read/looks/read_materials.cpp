@@ -125,8 +125,9 @@ private:
 };
 
 // KHR_materials_transmission as coverage, so that light passes glass and one sees through it: what the glass reflects
-// and what it lacks in transmission stays (Material::coverage()). Light goes straight on and takes no colour; metals
-// let none through. Unlit materials have base colour and alpha alone (KHR_materials_unlit).
+// and what it lacks in transmission stays (Material::coverage()). Light goes straight on and takes the base colour
+// (Material::passed()); metals let none through. Unlit materials have base colour and alpha alone
+// (KHR_materials_unlit).
 Status readTransmission(const Json& json, const std::string& path, TextureTable& textures, Material& material,
                         std::vector<std::string>& warnings)
 {
@@ -145,6 +146,25 @@ Status readTransmission(const Json& json, const std::string& path, TextureTable&
         material.transmissionTexture = {};
     }
     return {};
+}
+
+// KHR_materials_volume, of materials that transmit light. An attenuation distance of 0 or less is not allowed.
+Status readVolume(const Json& json, const std::string& path, TextureTable& textures, Material& material,
+                  std::vector<std::string>& warnings)
+{
+    const Json& extension = extensionOf(json, "KHR_materials_volume");
+    if (!extension.is_object() || material.transmission <= 0.0f) return {};
+    const std::string where = path + "/extensions/KHR_materials_volume";
+    const Fields fields(extension, where);
+    constexpr float kLeastMeters = 1.0e-9f;
+    if (Status s = fields.number("thicknessFactor", 0.0f, 3.0e38f, material.thickness); !s) return s;
+    if (Status s = fields.number("attenuationDistance", kLeastMeters, 3.0e38f, material.attenuationMeters); !s)
+        return s;
+    if (Status s = fields.vector<3>("attenuationColor", material.attenuationColor); !s) return s;
+    material.attenuationColor = glm::clamp(material.attenuationColor, vec3(0.0f), vec3(1.0f));
+    if (!material.attenuates()) return {};
+    return textures.read(member(extension, "thicknessTexture"), where + "/thicknessTexture", material.thicknessTexture,
+                         warnings);
 }
 
 // KHR_materials_pbrSpecularGlossiness, where a material has no pbrMetallicRoughness beside it: diffuse is the base
@@ -200,6 +220,7 @@ void keepTwoSets(const std::string& path, Material& material, std::vector<std::s
     take(material.occlusionTexture);
     take(material.emissiveTexture);
     take(material.transmissionTexture);
+    take(material.thicknessTexture);
     for (const int n : left) {
         warnings.push_back(path + ": material \"" + material.name + "\" reads TEXCOORD_" + std::to_string(n) +
                            (n < kTexCoordSets ? " as a third set of texture coordinates, where two are read"
@@ -278,6 +299,7 @@ Status readMaterial(const Json& json, const std::string& path, TextureTable& tex
         (doubleSided.is_boolean() && doubleSided.get<bool>()) || markedSide(json) != SurfaceSide::Both;
     material.unlit = extensionOf(json, "KHR_materials_unlit").is_object();
     if (Status s = readTransmission(json, path, textures, material, warnings); !s) return s;
+    if (Status s = readVolume(json, path, textures, material, warnings); !s) return s;
     keepTwoSets(path, material, warnings);
     return {};
 }
@@ -297,6 +319,7 @@ Status readSwitches(const Json& json, const std::string& path, FileSettings& fil
     };
     flag("castShadows", material.castShadows);
     flag("receiveShadows", material.receiveShadows);
+    flag("tinted", material.tinted);
     for (auto& rule : file.materials) {
         if (!matchesPattern(rule.pattern, material.name)) continue;
         rule.matched = true;

@@ -3,6 +3,7 @@
 export const bakeTypes = [
     ['materials/*/extensions/HALFLIGHT_material/castShadows', 'Flag'],
     ['materials/*/extensions/HALFLIGHT_material/receiveShadows', 'Flag'],
+    ['materials/*/extensions/HALFLIGHT_material/tinted', 'Flag'],
     ['nodes/*/extensions/HALFLIGHT_node/static', 'Flag'],
     ['nodes/*/extensions/HALFLIGHT_node/castShadows', 'Flag'],
     ['nodes/*/extensions/HALFLIGHT_node/receiveShadows', 'Flag'],
