@@ -27,16 +27,13 @@ Result<std::vector<std::byte>> encodePng(const ImageRgba8& image)
     png.width = png_uint_32(image.width());
     png.height = png_uint_32(image.height());
     png.format = PNG_FORMAT_RGBA;
-    png_alloc_size_t byteCount = 0;
-    if (!png_image_write_to_memory(&png, nullptr, &byteCount, 0, image.data(), 0, nullptr)) {
+    // The most that a picture takes: to ask libpng how much this one takes encodes it a first time.
+    png_alloc_size_t byteCount = PNG_IMAGE_PNG_SIZE_MAX(png);
+    const std::unique_ptr<std::byte[]> bytes(new std::byte[byteCount]); // without zeros
+    if (!png_image_write_to_memory(&png, bytes.get(), &byteCount, 0, image.data(), 0, nullptr)) {
         return Error{ErrorCode::WriteFailed, std::string("PNG encoding failed (") + png.message + ")"};
     }
-    std::vector<std::byte> bytes(byteCount);
-    if (!png_image_write_to_memory(&png, bytes.data(), &byteCount, 0, image.data(), 0, nullptr)) {
-        return Error{ErrorCode::WriteFailed, std::string("PNG encoding failed (") + png.message + ")"};
-    }
-    bytes.resize(byteCount);
-    return bytes;
+    return std::vector<std::byte>(bytes.get(), bytes.get() + byteCount);
 }
 
 Status writePng(const std::filesystem::path& path, const ImageRgba8& image)

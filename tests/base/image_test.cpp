@@ -41,7 +41,7 @@ TEST(ImageFilter, BilinearIsExactOnPlanesAndClampsToTheEdge)
 TEST(ImagePng, RoundTripIsExact)
 {
     const TempFolder folder;
-    for (const ivec2 size : {ivec2(1, 1), ivec2(37, 5), ivec2(3, 64)}) {
+    for (const ivec2 size : {ivec2(1, 1), ivec2(37, 5), ivec2(3, 64), ivec2(1, 1000), ivec2(700, 300)}) {
         const ImageRgba8 image = noise(size.x, size.y);
         ASSERT_TRUE(writePng(folder / "a.png", image));
         const auto read = readPng(folder / "a.png");
