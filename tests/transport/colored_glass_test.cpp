@@ -1,8 +1,9 @@
 // Light through coloured glass against closed forms: lightmaps, probes, the reference and single rays (spec S35).
 #include "bake/both_integrators.h"
 #include "bake/test_sky.h"
-#include "reference/traced.h"
+#include "transport/glass_scene.h"
 
+#include "halflight/shading/reflection.h"
 #include "halflight/shading/sh.h"
 
 #include <gtest/gtest.h>
@@ -16,62 +17,7 @@
 namespace halflight::test::colored_glass_test {
 namespace {
 
-constexpr int kPage = 16;
-constexpr float kHeight = 0.5f; // of the glass above the floor, metres
-constexpr float kThick = 0.2f;  // metres
-const vec3 kColor(0.9f, 0.3f, 0.1f);
-const vec3 kLeft(0.8f, 0.4f, 0.2f); // of white light after kDistance
-constexpr float kDistance = 0.4f;
-constexpr float kAlpha = 0.25f;
-
-enum class Glass { Quad, Pane, Box, Thin };
-
-/// Closed forms: 1 - alpha, or 96 % at each face, times the colour; in a volume c^(way / distance) (Beer's law).
-vec3 expectedOf(Glass glass, float cosine)
-{
-    vec3 passed;
-    for (int c = 0; c < 3; ++c) {
-        const float volume = std::pow(kLeft[c], kThick / cosine / kDistance);
-        const float face = 0.96f * kColor[c];
-        passed[c] = glass == Glass::Quad   ? (1.0f - kAlpha) * kColor[c]
-                    : glass == Glass::Pane ? face
-                    : glass == Glass::Box  ? face * face * volume
-                                           : face * volume;
-    }
-    return passed;
-}
-
-int addGlassMaterial(Scene& scene, Glass glass)
-{
-    const int number = addMaterial(scene, kColor);
-    Material& m = scene.materials.back();
-    if (glass == Glass::Quad) {
-        m.alphaMode = Material::AlphaMode::Blend;
-        m.baseColor.w = kAlpha;
-        m.tinted = true;
-    } else {
-        m.transmission = 1.0f;
-    }
-    if (glass == Glass::Box || glass == Glass::Thin) {
-        m.thickness = kThick;
-        m.attenuationColor = kLeft;
-        m.attenuationMeters = kDistance;
-    }
-    return number;
-}
-
-/// Wide glass above the floor.
-void addGlass(Scene& scene, Glass glass, float height = kHeight, float half = 500.0f)
-{
-    const int material = addGlassMaterial(scene, glass);
-    if (glass == Glass::Box) {
-        const std::size_t first = scene.objects.size();
-        addBox(scene, vec3(-half, height, -half), vec3(half, height + kThick, half), material, false);
-        joinObjects(scene, first);
-        return;
-    }
-    addRectangle(scene, {vec3(-half, height, half), vec3(2 * half, 0, 0), vec3(0, 0, -2 * half)}, material, kPage);
-}
+using namespace glass;
 
 /// A black floor of 1 x 1 m with texels, which reflects nothing.
 Scene floorUnder(Glass glass)
@@ -115,11 +61,6 @@ vec3 bakedMean(Scene scene, const IntegrationSettings& settings)
     return meanOf(bench.irradiance());
 }
 
-void expectColor(vec3 found, vec3 expected, float relative = 0.01f)
-{
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c]) << "channel " << c;
-}
-
 const vec3 kSlanted = glm::normalize(vec3(0.5f, -1.0f, 0.3f));
 
 std::string glassName(const testing::TestParamInfo<Glass>& info)
@@ -152,6 +93,27 @@ TEST_P(ColoredGlassS35, SunInProbe)
     ASSERT_TRUE(bench.integrator->probes(places, which, 64, out, {}));
     const vec3 illuminance = 10.0f * expectedOf(GetParam(), -kSlanted.y);
     expectColor(out[0].radiance[0], illuminance * shading::shBasis(0, -kSlanted));
+}
+
+/// What a reflection probe sees of a white sky.
+TEST_P(ColoredGlassS35, SkyInReflectionProbe)
+{
+    Scene scene = floorUnder(GetParam());
+    scene.sky = {vec3(1.0f), vec3(1.0f), vec3(1.0f)};
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settingsOf(16));
+    const std::vector<ImageRgb32f> pages(1, ImageRgb32f(kPage, kPage));
+    ImageRgb32f map(16, 16);
+    ASSERT_TRUE(bench.integrator->radianceAround(vec3(0, 0.25f, 0), pages, 4096, map, {}));
+    vec3 found(0.0f);
+    vec3 expected(0.0f);
+    for (int i = 0; i < 16 * 16; ++i) {
+        const ivec2 texel(i % 16, i / 16);
+        const float cosine = shading::directionFromOctahedron((vec2(texel) + 0.5f) / 16.0f).y;
+        if (cosine < 0.7f) continue;
+        found += map(texel.x, texel.y);
+        expected += expectedOf(GetParam(), cosine);
+    }
+    expectColor(found, expected);
 }
 
 TEST_P(ColoredGlassS35, SunInReference)
@@ -249,107 +211,6 @@ TEST_P(ColoredGlassS35, AreaLightInReference)
         const float relative = way == EmitterSampling::Directions ? 0.06f : 0.01f;
         expectColor(found(std::move(scene)), found(std::move(open)) * expectedOf(GetParam(), 0.9995f), relative);
     }
-}
-
-/// Of rays in a scene.
-vec3 transmittance(const Traced& traced, vec3 origin, vec3 direction, float end)
-{
-    return traced.paths->surfaces().transmittance(origin, glm::normalize(direction), 0.0f, end);
-}
-
-TEST(GlassRaysS35, PanesMultiplyInAnyOrder)
-{
-    const vec3 one = expectedOf(Glass::Quad, 1.0f);
-    const vec3 expected = one * expectedOf(Glass::Pane, 1.0f) * expectedOf(Glass::Box, 1.0f);
-    std::vector<std::pair<Glass, float>> panes = {{Glass::Quad, 1.0f}, {Glass::Pane, 2.0f}, {Glass::Box, 3.0f}};
-    do {
-        Scene scene;
-        for (const auto& [glass, height] : panes) addGlass(scene, glass, height, 5.0f);
-        const Traced traced(std::move(scene));
-        expectColor(transmittance(traced, vec3(0.1f, 0, 0.2f), vec3(0, 1, 0), kInfinity), expected, 1e-4f);
-        expectColor(transmittance(traced, vec3(0.1f, 9, 0.2f), vec3(0, -1, 0), 9.0f), expected, 1e-4f);
-        // Up to between two panes.
-        expectColor(transmittance(traced, vec3(0.1f, 0, 0.2f), vec3(0, 1, 0), 1.5f), one, 1e-4f);
-    } while (std::next_permutation(panes.begin(), panes.end()));
-}
-
-TEST(GlassRaysS35, FullyCoveredIsOpaque)
-{
-    Scene scene;
-    addGlass(scene, Glass::Quad);
-    scene.materials.back().baseColor.w = 1.0f;
-    const Traced traced(std::move(scene));
-    EXPECT_EQ(transmittance(traced, vec3(0.1f, 0, 0.2f), vec3(0, 1, 0), 9.0f), vec3(0.0f));
-    EXPECT_TRUE(traced.paths->surfaces().nearest(vec3(0.1f, 0, 0.2f), vec3(0, 1, 0), 0.0f, 9.0f).found());
-}
-
-/// What lies behind the hit gives no colour, in whichever order candidates come; chance and colour together give the
-/// transmittance. Packets and single rays agree.
-TEST(GlassRaysS35, HitsTakeTheColorOfTheGlassBefore)
-{
-    Scene scene;
-    for (int i = 0; i < 12; ++i) addGlass(scene, Glass::Quad, -1.0f - 0.1f * float(i), 5.0f);
-    addFloor(scene, addMaterial(scene, vec3(0.5f)));
-    addGlass(scene, Glass::Quad, 1.0f, 5.0f);
-    addGlass(scene, Glass::Box, 2.0f, 5.0f);
-    const Traced traced(std::move(scene));
-    const RayTracer& surfaces = traced.paths->surfaces();
-    constexpr int kRays = 40000;
-    std::vector<Ray> rays;
-    Sampler sampler(1, 2, 3);
-    for (int i = 0; i < kRays; ++i) {
-        const vec2 at = sampler.next2() - 0.5f;
-        rays.push_back({vec3(at.x, 4, at.y), 0.0f, vec3(0, -1, 0), kInfinity});
-    }
-    std::vector<RayHit> hits(rays.size());
-    surfaces.nearest(rays, hits);
-    glm::dvec3 arrives(0.0);
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-        const RayHit alone = surfaces.nearest(rays[i].origin, rays[i].direction, 0.0f, kInfinity);
-        EXPECT_NEAR(alone.distance, hits[i].distance, 1e-4f);
-        EXPECT_NEAR(alone.tint.y, hits[i].tint.y, 1e-5f);
-        if (std::abs(hits[i].distance - 4.0f) < 1e-3f) arrives += glm::dvec3(hits[i].tint) / double(kRays);
-    }
-    expectColor(vec3(arrives), expectedOf(Glass::Quad, 1.0f) * expectedOf(Glass::Box, 1.0f), 0.015f);
-}
-
-/// From within a solid to its outside, and from outside to within.
-TEST(GlassRaysS35, WaysThatEndInAVolume)
-{
-    Scene scene;
-    addGlass(scene, Glass::Box, 0.0f, 5.0f);
-    const Traced traced(std::move(scene));
-    for (int c = 0; c < 3; ++c) {
-        const float expected = 0.96f * kColor[c] * std::pow(kLeft[c], 0.05f / kDistance);
-        EXPECT_NEAR(transmittance(traced, vec3(0.1f, 0.15f, 0.3f), vec3(0, 1, 0), 9.0f)[c], expected, 1e-4f);
-        EXPECT_NEAR(transmittance(traced, vec3(0.1f, 1.2f, 0.3f), vec3(0, -1, 0), 1.05f)[c], expected, 1e-4f);
-    }
-}
-
-/// A thickness is in the mesh's space: it grows with the object along the surface's normal alone.
-TEST(GlassRaysS35, ThicknessTakesTheObjectsScale)
-{
-    for (const vec3 scale : {vec3(3, 1, 2), vec3(1, 2, 1)}) {
-        Scene scene;
-        addGlass(scene, Glass::Thin, 1.0f, 5.0f);
-        scene.objects.back().worldFromObject = glm::scale(mat4(1.0f), scale);
-        const Traced traced(std::move(scene));
-        const vec3 found = transmittance(traced, vec3(0.1f, 0, 0.2f), vec3(0, 1, 0), 9.0f);
-        for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(found[c], 0.96f * kColor[c] * std::pow(kLeft[c], kThick * scale.y / kDistance), 1e-4f);
-    }
-}
-
-/// Alpha without `tinted` is coverage and stays grey, beside coloured glass too.
-TEST(GlassRaysS35, GreyGlassStaysGrey)
-{
-    Scene scene;
-    addGlass(scene, Glass::Quad, 1.0f, 5.0f);
-    scene.materials.back().tinted = false;
-    addGlass(scene, Glass::Pane, 2.0f, 5.0f);
-    const Traced traced(std::move(scene));
-    expectColor(transmittance(traced, vec3(0.1f, 0, 0.2f), vec3(0, 1, 0), 9.0f), 0.75f * 0.96f * kColor, 1e-4f);
-    EXPECT_EQ(transmittance(traced, vec3(0.1f, 0, 0.2f), vec3(0, 1, 0), 1.5f), vec3(0.75f));
 }
 
 class GlassBouncesS35 : public BothIntegrators {};
