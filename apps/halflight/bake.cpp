@@ -83,8 +83,7 @@ std::string contradiction(const CLI::App& app, const BakeOptions& options)
             return "--time chooses the samples, so --samples and --noise do not go with it";
         if (!options.bake.cacheDirectory.empty())
             return "--time and --cache do not go together: what the cache holds takes no time, so the bake would "
-                   "choose "
-                   "other samples each time; give --samples N, which a bake with --time prints";
+                   "choose other samples each time; give --samples N, which a bake with --time prints";
     }
     if (options.write.lightmapFormat == LightmapFormat::Webp && !decodesWebp())
         return "--lightmap-format webp needs a build with libwebp, and this one has none";
@@ -94,11 +93,6 @@ std::string contradiction(const CLI::App& app, const BakeOptions& options)
 }
 
 namespace {
-
-double secondsNow()
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // The output, and the rest of the report.
 Status writeOutput(const BakeOptions& options, bool isFormatGiven, BakeResult& result, const Progress& progress,
@@ -173,7 +167,7 @@ int runBake(const CLI::App& app, const BakeOptions& given)
 {
     if (const std::string sentence = contradiction(app, given); !sentence.empty()) return wrongUsage("bake", sentence);
     BakeOptions options = given;
-    const double began = secondsNow();
+    const auto began = std::chrono::steady_clock::now();
     // A sidecar is for readers that know four channels.
     if (!options.sidecarDirectory.empty() && app.count("--mask-layers") == 0) options.bake.mostMaskLayers = 1;
     const std::string extension = lowerExtension(options.output);
@@ -219,9 +213,10 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         }
     }
 
-    // Reading takes a part of the time.
-    if (options.bake.seconds > 0.0)
-        options.bake.seconds = std::max(options.bake.seconds - (secondsNow() - began), kLeastSeconds);
+    if (options.bake.seconds > 0.0) { // reading has taken a part of them
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began;
+        options.bake.seconds = std::max(options.bake.seconds - taken.count(), kLeastSeconds);
+    }
     Result<BakeResult> result = bake(std::move(*scene), options.bake, embreeIntegrators(), progress);
     if (result && interrupted()) result = cancelledError();
     if (!result) {

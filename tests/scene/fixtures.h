@@ -1,6 +1,8 @@
 #pragma once
 // Helpers of the scene module's tests: small glTF files built in memory, and a stand-in for a bake.
 
+#include "scene/model/geometry.h"
+
 #include "halflight/base/random.h"
 #include "halflight/scene/gltf.h"
 
@@ -226,23 +228,7 @@ inline void splitVerticesOf(MeshPart& part)
         kept.push_back(part.indices[c]);
         part.indices[c] = uint32_t(kept.size() - 1);
     }
-    const auto select = [&](auto& values) {
-        if (values.empty()) return;
-        auto old = values;
-        values.resize(kept.size());
-        for (std::size_t i = 0; i < kept.size(); ++i) values[i] = old[kept[i]];
-    };
-    if (part.sourceVertex.empty()) {
-        part.sourceVertex = kept;
-    } else {
-        select(part.sourceVertex);
-    }
-    select(part.positions);
-    select(part.normals);
-    select(part.tangents);
-    select(part.uv[0]);
-    select(part.uv[1]);
-    select(part.colors);
+    selectVertices(part, kept);
 }
 
 inline void pretendLightmapped(Scene& scene, bool splitVertices)

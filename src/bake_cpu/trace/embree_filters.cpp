@@ -4,10 +4,22 @@
 #include "halflight/base/random.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <utility>
 
 namespace halflight {
+namespace {
+
+std::array<float, 6> originAndDirection(const RTCFilterFunctionNArguments* arguments, unsigned lane)
+{
+    RTCRayN* const rays = arguments->ray;
+    const unsigned count = arguments->N;
+    return {RTCRayN_org_x(rays, count, lane), RTCRayN_org_y(rays, count, lane), RTCRayN_org_z(rays, count, lane),
+            RTCRayN_dir_x(rays, count, lane), RTCRayN_dir_y(rays, count, lane), RTCRayN_dir_z(rays, count, lane)};
+}
+
+} // namespace
 
 bool EmbreeKernels::passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const
 {
@@ -48,8 +60,8 @@ bool EmbreeKernels::passesGlass(const RTCFilterFunctionNArguments* arguments, un
     const unsigned count = arguments->N;
     embree::PassedGlass& passed = context->glass[RTCRayN_id(arguments->ray, count, lane)];
     if (passed.full()) return false;
-    const vec3 along(RTCRayN_dir_x(arguments->ray, count, lane), RTCRayN_dir_y(arguments->ray, count, lane),
-                     RTCRayN_dir_z(arguments->ray, count, lane));
+    const std::array<float, 6> ray = originAndDirection(arguments, lane);
+    const vec3 along(ray[3], ray[4], ray[5]);
     const vec3 direction = place != nullptr ? place->linear * along : along;
     const Materials::Glass glass = kernels.scene_.materials().glassAt(triangle, barycentric, direction);
     const bool back = glm::dot(kernels.scene_.geometry().geometricNormal(triangle), direction) > 0.0f;
@@ -58,13 +70,7 @@ bool EmbreeKernels::passesGlass(const RTCFilterFunctionNArguments* arguments, un
     if (context->camera && back && !material.doubleSided) {
         face.passed = vec3(1.0f); // as if the back were not there
     } else if (context->byChance) {
-        const float ray[6] = {RTCRayN_org_x(arguments->ray, count, lane),
-                              RTCRayN_org_y(arguments->ray, count, lane),
-                              RTCRayN_org_z(arguments->ray, count, lane),
-                              along.x,
-                              along.y,
-                              along.z};
-        if (glass.coverage >= 1.0f || !kernels.passes(triangle, barycentric, ray)) return false;
+        if (glass.coverage >= 1.0f || !kernels.passes(triangle, barycentric, ray.data())) return false;
         face.passed /= 1.0f - glass.coverage;
     } else if (glass.coverage >= 1.0f) {
         return false;
@@ -99,10 +105,8 @@ void EmbreeKernels::filter(const RTCFilterFunctionNArguments* arguments)
             arguments->valid[i] = 0;
             continue;
         }
-        const float ray[6] = {RTCRayN_org_x(arguments->ray, count, i), RTCRayN_org_y(arguments->ray, count, i),
-                              RTCRayN_org_z(arguments->ray, count, i), RTCRayN_dir_x(arguments->ray, count, i),
-                              RTCRayN_dir_y(arguments->ray, count, i), RTCRayN_dir_z(arguments->ray, count, i)};
-        if (user->kernels->passes(triangle, barycentric, ray)) arguments->valid[i] = 0;
+        if (user->kernels->passes(triangle, barycentric, originAndDirection(arguments, i).data()))
+            arguments->valid[i] = 0;
     }
 }
 
