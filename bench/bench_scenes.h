@@ -4,8 +4,8 @@
 #include "bake/geometry/flatten.h"
 #include "bake/lights/channels.h"
 #include "bake/texels/rasterize.h"
-#include "halflight/base/random.h"
 #include "halflight/scene/gltf.h"
+#include "halflight/shading/random.h"
 #include "halflight/unwrap/unwrap.h"
 
 #include <cstdio>

@@ -1,6 +1,6 @@
 #include "frame_scenes.h"
 
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>

@@ -3,7 +3,7 @@
 #include "measure.h"
 
 #include "bake_cpu/trace/embree_kernels.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 #include "transport/trace/ray_tracer.h"
 
 #include <glm/gtc/matrix_transform.hpp>

@@ -11,8 +11,8 @@
 #include "bake/sides/sheet_sides.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/parallel.h"
-#include "halflight/base/random.h"
 #include "halflight/scene/gltf.h"
+#include "halflight/shading/random.h"
 #include "halflight/unwrap/unwrap.h"
 
 #include <algorithm>

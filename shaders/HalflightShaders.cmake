@@ -1,13 +1,14 @@
 # halflight_shaders(TARGET FILE…): compiles GLSL entry points of shaders/ to SPIR-V arrays that TARGET's sources include as
-# "shaders/NAME.h", e.g. "shaders/lit.frag.h" with `const uint32_t lit_frag[]`. Compiled again when any included file changes.
+# "shaders/NAME.h", e.g. "shaders/lit.frag.h" with `const uint32_t lit_frag[]`, or bake/x.comp as "shaders/bake/x.comp.h" with `bake_x_comp`. Compiled again when any included file changes.
 set(HALFLIGHT_SHADER_DIR ${CMAKE_CURRENT_LIST_DIR})
 function(halflight_shaders target)
     set(out_dir ${CMAKE_CURRENT_BINARY_DIR}/generated/shaders)
-    file(MAKE_DIRECTORY ${out_dir})
     set(outputs)
     foreach(shader ${ARGN})
-        string(REPLACE "." "_" variable ${shader})
+        string(REGEX REPLACE "[./]" "_" variable ${shader})
         set(output ${out_dir}/${shader}.h)
+        get_filename_component(folder ${output} DIRECTORY)
+        file(MAKE_DIRECTORY ${folder})
         add_custom_command(OUTPUT ${output}
             COMMAND Vulkan::glslangValidator -V --target-env vulkan1.3 --quiet --depfile ${output}.d --vn ${variable}
                 -I${PROJECT_SOURCE_DIR}/include -I${PROJECT_SOURCE_DIR}/src -I${HALFLIGHT_SHADER_DIR}

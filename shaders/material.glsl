@@ -3,6 +3,7 @@
 #define HALFLIGHT_MATERIAL_GLSL
 
 #include "bindings.glsl"
+#include "halflight/shading/coverage.h"
 
 // A texture's value, or `absent` where the material has none. The material is the same for a whole draw, so the index
 // is dynamically uniform.
@@ -23,15 +24,13 @@ vec4 materialTexture(int material, int slot, vec4 uv, vec4 absent)
 // Share of light that the surface stops where base colour and vertices have this alpha: Material::coverage().
 float coverage(int material, vec4 uv, float alpha)
 {
-    if (alpha < materials[material].parameters.w) return 0.0;
-    float there = materials[material].info.z != 0 ? saturate(alpha) : 1.0;
     float through = materials[material].reflection.y;
     if (through > 0.0) {
         float metallic = saturate(materials[material].emissiveMetallic.a *
                                   materialTexture(material, kTextureMetallicRoughness, uv, vec4(1.0)).b);
         through *= materialTexture(material, kTextureTransmission, uv, vec4(1.0)).r * (1.0 - metallic);
     }
-    return there * (1.0 - through);
+    return coverageOf(alpha, materials[material].parameters.w, materials[material].info.z != 0, through);
 }
 
 #endif

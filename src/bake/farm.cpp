@@ -6,7 +6,7 @@
 #include "bake/first_stages_parts.h"
 
 #include "halflight/base/parallel.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <algorithm>
 #include <array>

@@ -13,7 +13,7 @@ Device::Device(const DeviceOptions& options)
             pickPhysicalDevice(options);
             createDevice(options);
         }
-        prepareCommands();
+        prepareCommands(options.rayTracing && !options.handles);
     } catch (...) {
         destroy();
         throw;
@@ -27,14 +27,21 @@ Device::~Device()
 
 void Device::createDevice(const DeviceOptions& options)
 {
-    Features features;
-    features.v13.dynamicRendering = VK_TRUE;
+    Features features(options.rayTracing);
     features.v13.synchronization2 = VK_TRUE;
-    features.v12.runtimeDescriptorArray = VK_TRUE;
-    features.v12.descriptorBindingPartiallyBound = VK_TRUE;
-    features.v12.descriptorBindingVariableDescriptorCount = VK_TRUE;
-    features.all.features.shaderSampledImageArrayDynamicIndexing = VK_TRUE;
-    features.all.features.samplerAnisotropy = anisotropy_;
+    if (options.rayTracing) {
+        features.v12.bufferDeviceAddress = VK_TRUE;
+        features.v12.scalarBlockLayout = VK_TRUE;
+        features.trees.accelerationStructure = VK_TRUE;
+        features.rays.rayTracingPipeline = VK_TRUE;
+    } else {
+        features.v13.dynamicRendering = VK_TRUE;
+        features.v12.runtimeDescriptorArray = VK_TRUE;
+        features.v12.descriptorBindingPartiallyBound = VK_TRUE;
+        features.v12.descriptorBindingVariableDescriptorCount = VK_TRUE;
+        features.all.features.shaderSampledImageArrayDynamicIndexing = VK_TRUE;
+        features.all.features.samplerAnisotropy = anisotropy_;
+    }
     const float priority = 1.0f;
     const VkDeviceQueueCreateInfo queueInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                             .queueFamilyIndex = queueFamily_,
@@ -42,6 +49,10 @@ void Device::createDevice(const DeviceOptions& options)
                                             .pQueuePriorities = &priority};
     std::vector<const char*> extensions;
     for (const std::string& name : options.deviceExtensions) extensions.push_back(name.c_str());
+    if (options.rayTracing)
+        extensions.insert(extensions.end(),
+                          {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
+                           VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME});
     const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                   .pNext = &features.all,
                                   .queueCreateInfoCount = 1,
@@ -83,11 +94,11 @@ void Device::loadDeviceFunctions()
 #undef HALFLIGHT_VULKAN_LOAD
 }
 
-void Device::prepareCommands()
+void Device::prepareCommands(bool addresses)
 {
     VkPhysicalDeviceMemoryProperties memoryProperties;
     vk.GetPhysicalDeviceMemoryProperties(physical_, &memoryProperties);
-    memory_ = std::make_unique<Memory>(vk, device_, memoryProperties);
+    memory_ = std::make_unique<Memory>(vk, device_, memoryProperties, addresses);
 
     const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                            .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
@@ -127,6 +138,24 @@ VkFormatFeatureFlags Device::optimalFeatures(VkFormat format) const
     VkFormatProperties properties;
     vk.GetPhysicalDeviceFormatProperties(physical_, format, &properties);
     return properties.optimalTilingFeatures;
+}
+
+VkPhysicalDeviceRayTracingPipelinePropertiesKHR Device::rayLimits() const
+{
+    VkPhysicalDeviceRayTracingPipelinePropertiesKHR limits{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
+    VkPhysicalDeviceProperties2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &limits};
+    vk.GetPhysicalDeviceProperties2(physical_, &all);
+    return limits;
+}
+
+VkPhysicalDeviceAccelerationStructurePropertiesKHR Device::treeLimits() const
+{
+    VkPhysicalDeviceAccelerationStructurePropertiesKHR limits{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+    VkPhysicalDeviceProperties2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &limits};
+    vk.GetPhysicalDeviceProperties2(physical_, &all);
+    return limits;
 }
 
 std::string Device::driver() const

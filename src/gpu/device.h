@@ -27,8 +27,10 @@ struct Handles {
 };
 
 struct DeviceOptions {
-    bool validation = false;                     ///< Khronos validation layer with synchronization validation
-    bool preferCpu = false;                      ///< a CPU driver before any GPU
+    bool validation = false; ///< Khronos validation layer with synchronization validation
+    bool preferCpu = false;  ///< a CPU driver before any GPU
+    bool rayTracing = false; ///< for bakes: ray-tracing pipelines and compute shaders in place of drawing
+    std::string name;        ///< part of the device's or driver's name; empty: the best one, for rays a GPU alone
     std::vector<std::string> instanceExtensions; ///< enabled besides the device's own
     std::vector<std::string> deviceExtensions;
     /// Used instead of a device of its own; the options above then have no effect.
@@ -52,6 +54,9 @@ public:
     [[nodiscard]] const VkPhysicalDeviceProperties& properties() const { return properties_; }
     /// The driver's name and version as it gives them: "NVIDIA 570.86.15", "llvmpipe Mesa 25.0.7 (LLVM 15.0.6)".
     [[nodiscard]] std::string driver() const;
+    /// Of devices that trace rays.
+    [[nodiscard]] VkPhysicalDeviceRayTracingPipelinePropertiesKHR rayLimits() const;
+    [[nodiscard]] VkPhysicalDeviceAccelerationStructurePropertiesKHR treeLimits() const;
     [[nodiscard]] VkFormatFeatureFlags optimalFeatures(VkFormat format) const;
     [[nodiscard]] bool anisotropy() const { return anisotropy_; }
     [[nodiscard]] bool timestamps() const { return timestampBits_ > 0; }
@@ -76,12 +81,20 @@ private:
     static VkBool32 VKAPI_PTR onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                         const VkDebugUtilsMessengerCallbackDataEXT*, void*);
     void createInstance(const DeviceOptions& options);
+    struct Candidate {
+        VkPhysicalDeviceProperties properties{};
+        uint32_t queueFamily = 0;
+        uint32_t timestampBits = 0;
+        bool anisotropy = false;
+    };
+    [[nodiscard]] std::vector<VkPhysicalDevice> physicalDevices() const;
+    std::string refusalOf(VkPhysicalDevice device, const DeviceOptions& options, Candidate& out) const;
     void pickPhysicalDevice(const DeviceOptions& options);
     void createDevice(const DeviceOptions& options);
     void use(const Handles& handles);
     void loadInstanceFunctions();
     void loadDeviceFunctions();
-    void prepareCommands();
+    void prepareCommands(bool addresses);
     void destroy();
     void closeLoader();
 

@@ -1,10 +1,8 @@
-// The loader, the instance and the choice of a physical device.
+// The loader and the instance.
 #include "gpu/device.h"
-#include "gpu/device_features.h"
 
 #include <algorithm>
 #include <cstring>
-#include <optional>
 
 #ifdef _WIN32
 #ifndef NOMINMAX
@@ -22,8 +20,6 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 #ifdef _WIN32
 constexpr const char* kLoader = "vulkan-1.dll";
-constexpr const char* kDriver = "the graphics card's driver has it";
-constexpr const char* kNewerDriver = "a newer driver of the graphics card is the cure";
 void* openLoader()
 {
     return reinterpret_cast<void*>(LoadLibraryA(kLoader));
@@ -34,9 +30,6 @@ void* symbol(void* library, const char* name)
 }
 #else
 constexpr const char* kLoader = "libvulkan.so.1";
-constexpr const char* kDriver = "mesa-vulkan-drivers has one for the CPU";
-constexpr const char* kNewerDriver =
-    "a newer driver is the cure: on Debian 12, apt install -t bookworm-backports mesa-vulkan-drivers";
 void* openLoader()
 {
     for (const char* name : {kLoader, "libvulkan.so", "libvulkan.1.dylib"})
@@ -67,49 +60,6 @@ void keepDriversLoaded(PFN_vkCreateInstance createInstance)
     (void)kept;
 }
 
-int preference(VkPhysicalDeviceType type, bool preferCpu)
-{
-    switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-        return 4;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-        return 3;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-        return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU:
-        return preferCpu ? 5 : 1;
-    default:
-        return 0;
-    }
-}
-
-/// Name of the first feature this device lacks, or null.
-const char* missingFeature(const Features& f)
-{
-    if (!f.v13.dynamicRendering) return "dynamicRendering";
-    if (!f.v13.synchronization2) return "synchronization2";
-    if (!f.v12.runtimeDescriptorArray) return "runtimeDescriptorArray";
-    if (!f.v12.descriptorBindingPartiallyBound) return "descriptorBindingPartiallyBound";
-    if (!f.v12.descriptorBindingVariableDescriptorCount) return "descriptorBindingVariableDescriptorCount";
-    if (!f.all.features.shaderSampledImageArrayDynamicIndexing) return "shaderSampledImageArrayDynamicIndexing";
-    return nullptr;
-}
-
-std::optional<uint32_t> graphicsQueueFamily(const Functions& vk, VkPhysicalDevice device, uint32_t& timestampBits)
-{
-    uint32_t count = 0;
-    vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
-    std::vector<VkQueueFamilyProperties> families(count);
-    vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-    for (uint32_t i = 0; i < count; ++i) {
-        if (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) {
-            timestampBits = families[i].timestampValidBits;
-            return i;
-        }
-    }
-    return std::nullopt;
-}
-
 } // namespace
 
 VkBool32 VKAPI_PTR Device::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
@@ -135,7 +85,7 @@ void Device::createInstance(const DeviceOptions& options)
     uint32_t version = 0;
     const bool hasVersion = table_.CreateInstance && table_.EnumerateInstanceVersion;
     if (hasVersion && table_.EnumerateInstanceVersion(&version) != VK_SUCCESS) // Wine's, without a driver
-        throw Failure(std::string("no Vulkan device found; install a driver (") + kDriver + ")");
+        throw Failure(noDevice());
     if (version < VK_API_VERSION_1_1)
         throw Failure("the Vulkan loader is older than 1.1"); // from 1.1 on, a device may have a newer version than it
     keepDriversLoaded(table_.CreateInstance);
@@ -192,53 +142,6 @@ void Device::loadInstanceFunctions()
     table_.name = reinterpret_cast<PFN_vk##name>(table_.GetInstanceProcAddr(instance_, "vk" #name));
     HALFLIGHT_VULKAN_INSTANCE_FUNCTIONS(HALFLIGHT_VULKAN_LOAD)
 #undef HALFLIGHT_VULKAN_LOAD
-}
-
-void Device::pickPhysicalDevice(const DeviceOptions& options)
-{
-    uint32_t count = 0;
-    table_.EnumeratePhysicalDevices(instance_, &count, nullptr);
-    std::vector<VkPhysicalDevice> devices(count);
-    if (count > 0) table_.EnumeratePhysicalDevices(instance_, &count, devices.data());
-    devices.resize(count);
-
-    int best = -1;
-    std::string refused;
-    for (VkPhysicalDevice device : devices) {
-        VkPhysicalDeviceProperties properties;
-        table_.GetPhysicalDeviceProperties(device, &properties);
-        auto refuse = [&](const std::string& why) {
-            refused += (refused.empty() ? "" : "; ") + std::string(properties.deviceName) + " " + why;
-        };
-        if (properties.apiVersion < VK_API_VERSION_1_3) {
-            refuse("is older than Vulkan 1.3");
-            continue;
-        }
-        Features features;
-        table_.GetPhysicalDeviceFeatures2(device, &features.all);
-        if (const char* missing = missingFeature(features)) {
-            refuse(std::string("lacks ") + missing);
-            continue;
-        }
-        uint32_t timestampBits = 0;
-        const auto family = graphicsQueueFamily(vk, device, timestampBits);
-        if (!family) {
-            refuse("cannot draw");
-            continue;
-        }
-        const int score = preference(properties.deviceType, options.preferCpu);
-        if (score <= best) continue;
-        best = score;
-        physical_ = device;
-        properties_ = properties;
-        queueFamily_ = *family;
-        timestampBits_ = timestampBits;
-        anisotropy_ = features.all.features.samplerAnisotropy;
-    }
-    if (best < 0)
-        throw Failure(refused.empty()
-                          ? std::string("no Vulkan device found; install a driver (") + kDriver + ")"
-                          : "no Vulkan device with the needed features found: " + refused + "; " + kNewerDriver);
 }
 
 void Device::closeLoader()

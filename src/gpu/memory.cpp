@@ -60,8 +60,8 @@ Allocation::~Allocation()
     if (owner_) owner_->release(*this);
 }
 
-Memory::Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties)
-    : vk_(vk), device_(device), properties_(properties)
+Memory::Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties, bool addresses)
+    : vk_(vk), device_(device), properties_(properties), addresses_(addresses)
 {}
 
 Memory::~Memory()
@@ -76,8 +76,12 @@ void Memory::destroyBlock(Block& block)
 
 Memory::Block& Memory::addBlock(uint32_t type, VkDeviceSize size, bool image, bool dedicated)
 {
-    const VkMemoryAllocateInfo info{
-        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size, .memoryTypeIndex = type};
+    const VkMemoryAllocateFlagsInfo flags{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
+                                          .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
+    const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                    .pNext = addresses_ && !image ? &flags : nullptr,
+                                    .allocationSize = size,
+                                    .memoryTypeIndex = type};
     auto block = std::make_unique<Block>();
     check(vk_.AllocateMemory(device_, &info, nullptr, &block->memory), "allocate memory");
     block->type = type;

@@ -44,7 +44,8 @@ enum class MemoryUse {
 
 class Memory {
 public:
-    Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties);
+    /// `addresses`: buffers may have device addresses (feature bufferDeviceAddress).
+    Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties, bool addresses);
     ~Memory();
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
@@ -74,6 +75,7 @@ private:
     const Functions& vk_;
     VkDevice device_;
     VkPhysicalDeviceMemoryProperties properties_;
+    bool addresses_;
     std::mutex mutex_; ///< guards blocks_
     std::vector<std::unique_ptr<Block>> blocks_;
 };

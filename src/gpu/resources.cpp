@@ -28,6 +28,9 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usag
     allocation_ = device.memory().allocate(requirements, use, false);
     check(device.vk.BindBufferMemory(device.handle(), buffer, allocation_.memory(), allocation_.offset()),
           "bind a buffer's memory");
+    if ((usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) == 0) return;
+    const VkBufferDeviceAddressInfo whose{.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, .buffer = buffer};
+    address_ = device.vk.GetBufferDeviceAddress(device.handle(), &whose);
 }
 
 Image::Image(const Device& device, const ImageInfo& info) : info_(info)

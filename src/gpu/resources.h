@@ -52,11 +52,14 @@ public:
     [[nodiscard]] VkBuffer get() const { return buffer_.get(); }
     [[nodiscard]] VkDeviceSize size() const { return size_; }
     [[nodiscard]] std::byte* mapped() const { return allocation_.mapped(); }
+    /// Where shaders find it; 0 unless `usage` has VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT.
+    [[nodiscard]] VkDeviceAddress address() const { return address_; }
 
 private:
     Allocation allocation_; // outlives the buffer: members are destroyed in reverse order
     UniqueBuffer buffer_;
     VkDeviceSize size_ = 0;
+    VkDeviceAddress address_ = 0;
 };
 
 struct ImageInfo {

@@ -36,6 +36,7 @@ void check(VkResult result, const char* action);
     X(GetPhysicalDeviceFormatProperties)                                                                               \
     X(GetPhysicalDeviceMemoryProperties)                                                                               \
     X(GetPhysicalDeviceQueueFamilyProperties)                                                                          \
+    X(EnumerateDeviceExtensionProperties)                                                                              \
     X(CreateDevice)                                                                                                    \
     X(GetDeviceProcAddr)                                                                                               \
     X(CreateDebugUtilsMessengerEXT)                                                                                    \
@@ -52,6 +53,11 @@ void check(VkResult result, const char* action);
     X(DestroyBuffer)                                                                                                   \
     X(GetBufferMemoryRequirements)                                                                                     \
     X(BindBufferMemory)                                                                                                \
+    X(GetBufferDeviceAddress)                                                                                          \
+    X(CreateAccelerationStructureKHR)                                                                                  \
+    X(DestroyAccelerationStructureKHR)                                                                                 \
+    X(GetAccelerationStructureBuildSizesKHR)                                                                           \
+    X(GetAccelerationStructureDeviceAddressKHR)                                                                        \
     X(CreateImage)                                                                                                     \
     X(DestroyImage)                                                                                                    \
     X(GetImageMemoryRequirements)                                                                                      \
@@ -71,6 +77,9 @@ void check(VkResult result, const char* action);
     X(CreatePipelineLayout)                                                                                            \
     X(DestroyPipelineLayout)                                                                                           \
     X(CreateGraphicsPipelines)                                                                                         \
+    X(CreateComputePipelines)                                                                                          \
+    X(CreateRayTracingPipelinesKHR)                                                                                    \
+    X(GetRayTracingShaderGroupHandlesKHR)                                                                              \
     X(DestroyPipeline)                                                                                                 \
     X(CreateQueryPool)                                                                                                 \
     X(DestroyQueryPool)                                                                                                \
@@ -101,6 +110,9 @@ void check(VkResult result, const char* action);
     X(CmdSetCullMode)                                                                                                  \
     X(CmdSetFrontFace)                                                                                                 \
     X(CmdSetDepthBias)                                                                                                 \
+    X(CmdBuildAccelerationStructuresKHR)                                                                               \
+    X(CmdDispatch)                                                                                                     \
+    X(CmdTraceRaysKHR)                                                                                                 \
     X(CmdDraw)                                                                                                         \
     X(CmdDrawIndexed)                                                                                                  \
     X(CmdResetQueryPool)                                                                                               \

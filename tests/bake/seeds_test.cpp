@@ -2,7 +2,7 @@
 
 #include "bake/seeds.h"
 
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>

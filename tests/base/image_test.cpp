@@ -1,7 +1,7 @@
 #include "base/temp_folder.h"
 #include "halflight/base/file.h"
 #include "halflight/base/image_filter.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <algorithm>
 #include <cstring>

@@ -2,7 +2,7 @@
 
 #include "halflight/base/memory.h"
 #include "halflight/base/progress_of_parts.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <algorithm>
 #include <atomic>

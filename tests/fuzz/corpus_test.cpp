@@ -1,7 +1,7 @@
 // The readers' entry points over the seed corpus and deterministic mutations of it.
 
 #include "fuzz/entry_points.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <filesystem>
 #include <fstream>

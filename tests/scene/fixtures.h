@@ -3,8 +3,8 @@
 
 #include "scene/model/geometry.h"
 
-#include "halflight/base/random.h"
 #include "halflight/scene/gltf.h"
+#include "halflight/shading/random.h"
 
 #include <cstring>
 #include <filesystem>

@@ -4,7 +4,7 @@
 #include "scene/pictures/ktx2.h"
 #include "scene/pictures/rgbe.h"
 
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <cmath>
 #include <cstring>

@@ -2,11 +2,11 @@
 // prints (docs/conformance.md). A case is the list of a function's arguments, vectors as lists, and its result at the
 // end.
 
-#include "halflight/base/random.h"
 #include "halflight/shading/directional.h"
 #include "halflight/shading/law.h"
 #include "halflight/shading/light.h"
 #include "halflight/shading/mask.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sh.h"
 #include "halflight/shading/sight.h"
 #include "halflight/shading/sky.h"

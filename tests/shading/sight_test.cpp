@@ -1,5 +1,5 @@
 // Octahedral maps of nearness, and the weight of a probe by them (spec S14).
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sampling.h"
 #include "halflight/shading/sight.h"
 

@@ -5,7 +5,7 @@
 #include "bake/lights/main_light.h"
 #include "bake/pages/encode.h"
 
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "transport/sample/light_tree.h"
 #include "transport/sample/stratified_pattern.h"
 
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include "transport/sample/light_reach.h"
 #include "transport/shadows/texel_runs.h"
 
-#include "halflight/base/random.h"
 #include "halflight/shading/color.h"
+#include "halflight/shading/random.h"
 
 #include <gtest/gtest.h>
 

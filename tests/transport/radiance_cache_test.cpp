@@ -7,7 +7,7 @@
 #include "transport/texels/texel_validity.h"
 
 #include "halflight/base/parallel.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sampling.h"
 
 #include <gtest/gtest.h>

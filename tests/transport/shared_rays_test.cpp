@@ -4,8 +4,8 @@
 #include "bake/test_scene.h"
 #include "transport/sample/share_rays.h"
 
-#include "halflight/base/random.h"
 #include "halflight/shading/brdf_sampling.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sh.h"
 
 #include <gtest/gtest.h>

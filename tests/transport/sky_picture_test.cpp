@@ -5,8 +5,8 @@
 #include "bake/test_sky.h"
 #include "transport/sample/sky_light.h"
 
-#include "halflight/base/random.h"
 #include "halflight/render/probes.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sampling.h"
 #include "halflight/shading/sh.h"
 

@@ -79,7 +79,7 @@ struct Material {
     /// Whether it stops all light everywhere.
     [[nodiscard]] bool isOpaque() const { return alphaMode == AlphaMode::Opaque && transmission <= 0.0f; }
     /// Share of light that it stops at a point: by the point's alpha, metallic and value of the transmission texture.
-    /// `coverage` in shaders/material.glsl is the same.
+    /// shading::coverageOf() is the same.
     [[nodiscard]] float coverage(float alpha, float metallicThere, float transmissionTexel) const
     {
         if (alphaMode == AlphaMode::Mask && alpha < alphaCutoff) return 0.0f;

@@ -2,8 +2,8 @@
 
 #include "halflight/base/file.h"
 #include "halflight/base/hash.h"
-#include "halflight/base/random.h"
 #include "halflight/base/system.h"
+#include "halflight/shading/random.h"
 
 #include <algorithm>
 #include <cstring>

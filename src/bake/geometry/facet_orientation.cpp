@@ -7,7 +7,7 @@
 #include "bake/geometry/surfaces_along.h"
 
 #include "halflight/base/parallel.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sampling.h"
 
 #include <algorithm>

@@ -3,9 +3,9 @@
 #include "bake/geometry/surfaces_along.h"
 
 #include "halflight/base/mathematics.h"
-#include "halflight/base/random.h"
 #include "halflight/shading/directional.h"
 #include "halflight/shading/indirect.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sampling.h"
 
 #include <algorithm>

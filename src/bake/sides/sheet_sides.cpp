@@ -8,7 +8,7 @@
 #include "bake/geometry/components.h"
 
 #include "halflight/base/parallel.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sampling.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "bake/geometry/triangle_frame.h"
 #include "bake/texels/texel_places.h"
 
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 
 #include "halflight/base/hash.h"
 #include "halflight/base/mathematics.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <utility>
 

@@ -1,7 +1,7 @@
 // Filter functions: which surfaces a ray passes.
 #include "bake_cpu/trace/embree_kernels.h"
 
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <algorithm>
 #include <array>

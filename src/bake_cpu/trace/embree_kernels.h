@@ -74,7 +74,8 @@ struct EmbreeKernels::GeometryUser {
         place = instance.place;
         return instance.firstTriangle + triangles[primID];
     }
-    /// The same of a hit that a filter function sees, and whether the ray meets the triangle's back.
+    /// The same of a hit that a filter function sees, and whether the ray meets the triangle's back. Both are in the
+    /// mesh's space, whose fronts are counter-clockwise, mirrored or not.
     uint32_t triangle(const RTCFilterFunctionNArguments* arguments, unsigned lane, bool& back) const
     {
         const unsigned count = arguments->N;
@@ -82,10 +83,9 @@ struct EmbreeKernels::GeometryUser {
                             RTCHitN_Ng_y(arguments->hit, count, lane) * RTCRayN_dir_y(arguments->ray, count, lane) +
                             RTCHitN_Ng_z(arguments->hit, count, lane) * RTCRayN_dir_z(arguments->ray, count, lane);
         const BakeGeometry::Instance* place = nullptr;
-        const uint32_t found = triangle(RTCHitN_instID(arguments->hit, count, lane, 0),
-                                        RTCHitN_primID(arguments->hit, count, lane), place);
-        back = (along > 0.0f) != (place != nullptr && place->mirrored);
-        return found;
+        back = along > 0.0f;
+        return triangle(RTCHitN_instID(arguments->hit, count, lane, 0), RTCHitN_primID(arguments->hit, count, lane),
+                        place);
     }
 };
 

@@ -2,7 +2,7 @@
 
 #include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <algorithm>
 #include <cmath>

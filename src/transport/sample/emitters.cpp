@@ -1,6 +1,6 @@
 #include "transport/sample/emitters.h"
 
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sampling.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "halflight/base/math.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <array>
 #include <cstdint>

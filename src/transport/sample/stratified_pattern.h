@@ -5,7 +5,7 @@
 
 #include "halflight/base/math.h"
 #include "halflight/base/mathematics.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <array>
 #include <cmath>

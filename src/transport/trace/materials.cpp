@@ -140,12 +140,9 @@ vec2 Materials::textureCoordinate(uint32_t triangle, vec2 barycentric, const Tex
     if (uv.empty()) return ref.offset;
     const vec2 raw =
         (1.0f - barycentric.x - barycentric.y) * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
-    // KHR_texture_transform: translation * rotation * scale.
-    const vec2 scaled = raw * ref.scale;
-    if (ref.rotationRadians == 0.0f) return ref.offset + scaled;
-    const float c = math::cos(ref.rotationRadians);
-    const float s = math::sin(ref.rotationRadians);
-    return ref.offset + vec2(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
+    if (ref.rotationRadians == 0.0f) return ref.offset + raw * ref.scale;
+    const vec2 turn(math::cos(ref.rotationRadians), math::sin(ref.rotationRadians));
+    return shading::transformedCoordinate(raw, ref.offset, ref.scale, turn);
 }
 
 vec4 Materials::vertexColor(uint32_t triangle, vec2 barycentric) const

@@ -77,6 +77,7 @@ public:
         return geometry_.isSolid(triangle) || !of(triangle).doubleSided;
     }
 
+    [[nodiscard]] const Texture& texture(int index) const { return scene_.textures[std::size_t(index)]; }
     /// Where a texture is read, KHR_texture_transform included.
     [[nodiscard]] vec2 textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
     /// Interpolated, linear; 1 in scenes without vertex colours.

@@ -1,7 +1,5 @@
 #include "transport/trace/ray_scene.h"
 
-#include <cmath>
-
 namespace halflight {
 
 RayScene::RayScene(const Scene& scene, const BakeGeometry& geometry)
@@ -45,12 +43,6 @@ std::size_t RayScene::byteCount() const
     std::size_t bytes = meshTrees_.byteCount();
     for (const auto& list : trianglesOfKind_) bytes += list.capacity() * sizeof(uint32_t);
     return bytes + firstHit_.capacity() * sizeof(uint32_t);
-}
-
-float RayScene::epsilonAt(vec3 position) const
-{
-    const float magnitude = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
-    return std::max(8.0e-7f * magnitude, 2.0e-6f * sceneScale_);
 }
 
 } // namespace halflight

@@ -4,6 +4,8 @@
 #include "transport/trace/materials.h"
 #include "transport/trace/mesh_trees.h"
 
+#include "halflight/shading/rays.h"
+
 #include <algorithm>
 #include <array>
 #include <span>
@@ -61,7 +63,9 @@ public:
     /// Bytes of the lists.
     [[nodiscard]] std::size_t byteCount() const;
     /// Offset of ray origins along the normal. It grows with the coordinates, so it exceeds their rounding error.
-    [[nodiscard]] float epsilonAt(vec3 position) const;
+    [[nodiscard]] float epsilonAt(vec3 position) const { return shading::rayEpsilon(position, sceneScale_); }
+    /// Diagonal of the bounds of all that rays can hit, in metres.
+    [[nodiscard]] float sceneScale() const { return sceneScale_; }
     [[nodiscard]] vec3 rayOrigin(const SurfacePoint& point) const
     {
         return point.position + point.geometricNormal * epsilonAt(point.position);

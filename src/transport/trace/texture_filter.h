@@ -1,42 +1,22 @@
 #pragma once
-// Texels of a texture at a coordinate, by glTF's wrap modes.
+// Texels of a texture at a coordinate.
 
 #include "halflight/scene/scene.h"
+#include "halflight/shading/texture_filter.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace halflight {
 
-inline int wrapTexel(int i, int size, Texture::Wrap mode)
-{
-    if (unsigned(i) < unsigned(size)) return i;
-    switch (mode) {
-    case Texture::Wrap::ClampToEdge:
-        return std::clamp(i, 0, size - 1);
-    case Texture::Wrap::MirroredRepeat: {
-        const int period = 2 * size;
-        const int m = ((i % period) + period) % period;
-        return m < size ? m : period - 1 - m;
-    }
-    default:
-        return (size & (size - 1)) == 0 ? i & (size - 1) : ((i % size) + size) % size;
-    }
-}
-
-/// Index of the texel at a coordinate; 0 for coordinates that are not finite.
-inline int texelNumber(float coordinate, int size)
-{
-    const float t = coordinate * float(size);
-    return std::isfinite(t) ? int(std::floor(std::clamp(t, -1.0e9f, 1.0e9f))) : 0;
-}
+static_assert(int(Texture::Wrap::Repeat) == shading::kWrapRepeat &&
+              int(Texture::Wrap::ClampToEdge) == shading::kWrapClampToEdge &&
+              int(Texture::Wrap::MirroredRepeat) == shading::kWrapMirroredRepeat);
 
 /// `pixels`: of the texture, or a smaller copy of them.
 inline u8vec4 nearestTexel(const Texture& texture, const ImageRgba8& pixels, vec2 uv)
 {
-    return pixels(wrapTexel(texelNumber(uv.x, pixels.width()), pixels.width(), texture.wrapU),
-                  wrapTexel(texelNumber(uv.y, pixels.height()), pixels.height(), texture.wrapV));
+    const ivec2 at = shading::texelPlace(uv, pixels.size(), int(texture.wrapU), int(texture.wrapV), true).low;
+    return pixels(at.x, at.y);
 }
 
 /// The four texels of bilinear filtering; all the same for textures that are not filtered.
@@ -56,19 +36,11 @@ struct TexelQuad {
 inline TexelQuad texelQuad(const Texture& texture, vec2 uv)
 {
     const ImageRgba8& pixels = texture.pixels;
-    if (texture.nearest) {
-        const u8vec4 texel = nearestTexel(texture, pixels, uv);
-        return {{texel, texel, texel, texel}, vec2(0.0f)};
-    }
-    const vec2 place = uv * vec2(pixels.size()) - 0.5f;
-    const int x = texelNumber(place.x / float(pixels.width()), pixels.width());
-    const int y = texelNumber(place.y / float(pixels.height()), pixels.height());
-    const int x0 = wrapTexel(x, pixels.width(), texture.wrapU);
-    const int x1 = wrapTexel(x + 1, pixels.width(), texture.wrapU);
-    const int y0 = wrapTexel(y, pixels.height(), texture.wrapV);
-    const int y1 = wrapTexel(y + 1, pixels.height(), texture.wrapV);
-    return {{pixels(x0, y0), pixels(x1, y0), pixels(x0, y1), pixels(x1, y1)},
-            glm::clamp(place - vec2(float(x), float(y)), 0.0f, 1.0f)};
+    const shading::TexelPlace at =
+        shading::texelPlace(uv, pixels.size(), int(texture.wrapU), int(texture.wrapV), texture.nearest);
+    return {{pixels(at.low.x, at.low.y), pixels(at.high.x, at.low.y), pixels(at.low.x, at.high.y),
+             pixels(at.high.x, at.high.y)},
+            at.weight};
 }
 
 } // namespace halflight

@@ -1,7 +1,7 @@
 #include "unwrap/charts/atoms.h"
 
 #include "halflight/base/parallel.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 #include "unwrap/surface/region.h"
 
 #include <algorithm>

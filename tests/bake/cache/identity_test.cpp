@@ -7,8 +7,8 @@
 #include "transport/trace/ray_tracer.h"
 
 #include "halflight/bake/farm.h"
-#include "halflight/base/random.h"
 #include "halflight/base/system.h"
+#include "halflight/shading/random.h"
 #include "halflight/shading/sampling.h"
 
 #include <gtest/gtest.h>

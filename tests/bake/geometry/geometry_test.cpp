@@ -5,7 +5,7 @@
 #include "bake/test_scene.h"
 
 #include "halflight/base/parallel.h"
-#include "halflight/base/random.h"
+#include "halflight/shading/random.h"
 
 #include <gtest/gtest.h>
 

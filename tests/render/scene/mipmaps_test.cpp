@@ -1,6 +1,6 @@
 // Levels of textures against the mean of the texels beneath them, computed in doubles.
-#include "halflight/base/random.h"
 #include "halflight/shading/color.h"
+#include "halflight/shading/random.h"
 #include "render/scene/mipmaps.h"
 
 #include <gtest/gtest.h>

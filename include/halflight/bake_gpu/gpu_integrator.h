@@ -1,0 +1,30 @@
+#pragma once
+// Bakes on a GPU with Vulkan's ray-tracing pipelines.
+
+#include "halflight/bake/integrator.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+class BakeDevice;
+
+struct BakeDeviceOptions {
+    std::string name;        ///< part of the device's or its driver's name; empty: the best GPU, never a CPU driver
+    bool validation = false; ///< Khronos validation layer with synchronization validation
+};
+
+/// Opens a device. DeviceFailed says of each device why it does not serve. It lives as long as an integrator uses it.
+Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options);
+/// "NVIDIA H200, NVIDIA 580.82.07".
+std::string describe(BakeDevice& device);
+/// What the validation layer said so far.
+std::vector<std::string> validationMessages(BakeDevice& device);
+
+/// Integrators that trace large batches of rays on a device, and all else on the processor. Light is the processor's
+/// within its noise; the same device and driver gives the same bytes.
+IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device);
+
+} // namespace halflight

@@ -1,0 +1,9 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "trace.glsl"
+
+layout(location = 0) rayPayloadInEXT SolidsPayload payload;
+
+void main()
+{
+}

@@ -1,0 +1,63 @@
+#include "bake_gpu/bake_device.h"
+
+#include "shaders/bake/crossings.rahit.h"
+#include "shaders/bake/crossings.rgen.h"
+#include "shaders/bake/crossings.rmiss.h"
+#include "shaders/bake/fronts.rgen.h"
+#include "shaders/bake/nearest.rahit.h"
+#include "shaders/bake/nearest.rchit.h"
+#include "shaders/bake/nearest.rgen.h"
+#include "shaders/bake/nearest.rmiss.h"
+#include "shaders/bake/transmittance.rahit.h"
+#include "shaders/bake/transmittance.rgen.h"
+#include "shaders/bake/transmittance.rmiss.h"
+
+namespace halflight {
+
+BakeDevice::BakeDevice(const BakeDeviceOptions& options)
+    : device_({.validation = options.validation, .rayTracing = true, .name = options.name}),
+      nearest_(device_, {bake_nearest_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
+               sizeof(TracePush)),
+      fronts_(device_, {bake_fronts_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
+              sizeof(TracePush)),
+      transmittance_(device_, {bake_transmittance_rgen, bake_transmittance_rmiss, {}, bake_transmittance_rahit},
+                     sizeof(TracePush)),
+      crossings_(device_, {bake_crossings_rgen, bake_crossings_rmiss, {}, bake_crossings_rahit}, sizeof(TracePush))
+{}
+
+void BakeDevice::nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
+{
+    nearest_.run(commands, gpu::bytesOf(push), count);
+    fronts_.run(commands, gpu::bytesOf(push), count);
+}
+
+void BakeDevice::transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
+{
+    transmittance_.run(commands, gpu::bytesOf(push), count);
+}
+
+void BakeDevice::crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
+{
+    crossings_.run(commands, gpu::bytesOf(push), count);
+}
+
+Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options)
+{
+    try {
+        return std::make_shared<BakeDevice>(options);
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+}
+
+std::string describe(BakeDevice& device)
+{
+    return device.name() + ", " + device.device().driver();
+}
+
+std::vector<std::string> validationMessages(BakeDevice& device)
+{
+    return device.device().validationMessages();
+}
+
+} // namespace halflight

@@ -1,0 +1,56 @@
+#pragma once
+// The Vulkan device of a bake, and the pipelines that trace rays on it.
+
+#include "gpu/acceleration.h"
+
+#include "halflight/bake_gpu/gpu_integrator.h"
+
+#include <memory>
+#include <string>
+
+namespace halflight {
+
+/// Push constants of shaders/bake/trace.glsl.
+struct TracePush {
+    VkDeviceAddress scene = 0;
+    VkDeviceAddress rays = 0;    ///< shading::GpuRay
+    VkDeviceAddress results = 0; ///< shading::GpuHit; float; int
+    uint32_t byChance = 0;       ///< transmittance: 0 multiplies what blended surfaces let through
+};
+
+/// One device for all integrators of a bake, and for what else of it runs there.
+class BakeDevice {
+public:
+    /// Throws gpu::Failure.
+    explicit BakeDevice(const BakeDeviceOptions& options);
+
+    [[nodiscard]] gpu::Device& device() { return device_; }
+    /// RayKernels' verbs for `count` rays. Each begins with a full barrier.
+    void nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
+    void transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
+    void crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
+    [[nodiscard]] std::string name() const { return device_.properties().deviceName; }
+
+private:
+    gpu::Device device_;
+    gpu::RayPipeline nearest_;
+    gpu::RayPipeline fronts_;
+    gpu::RayPipeline transmittance_;
+    gpu::RayPipeline crossings_;
+};
+
+/// Copies a list to a buffer that shaders find by its address, and trees are built from.
+template<typename T> gpu::Buffer bufferOf(gpu::Device& device, std::span<const T> list)
+{
+    gpu::Buffer buffer(device, list.size_bytes(), gpu::kTreeInput, gpu::MemoryUse::Device);
+    gpu::Uploader uploader(device);
+    uploader.buffer(buffer, list.data(), list.size_bytes());
+    uploader.finish();
+    return buffer;
+}
+template<typename T> gpu::Buffer bufferOf(gpu::Device& device, const std::vector<T>& list)
+{
+    return bufferOf(device, std::span<const T>(list));
+}
+
+} // namespace halflight

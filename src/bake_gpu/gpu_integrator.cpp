@@ -1,0 +1,43 @@
+#include "halflight/bake_gpu/gpu_integrator.h"
+
+#include "bake_cpu/trace/embree_kernels.h"
+#include "bake_gpu/kernels.h"
+#include "transport/ray_integrator.h"
+
+#include "halflight/bake_cpu/embree_integrator.h"
+
+namespace halflight {
+namespace {
+
+MakeKernels gpuKernels(const std::shared_ptr<BakeDevice>& device, const MakeKernels& cpu, Error& error)
+{
+    return [device, cpu, &error](const RayScene& scene) -> std::unique_ptr<RayKernels> {
+        std::unique_ptr<RayKernels> own = cpu(scene);
+        if (own == nullptr) return nullptr;
+        try {
+            return std::make_unique<GpuKernels>(device, scene, std::move(own));
+        } catch (const gpu::Failure& failure) {
+            error = {ErrorCode::DeviceFailed, failure.what()};
+            return nullptr;
+        }
+    };
+}
+
+} // namespace
+
+IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device)
+{
+    const IntegratorFactory cpu = embreeIntegrators();
+    const auto make = [device](const Scene& scene, const BakeGeometry& geometry,
+                               const IntegrationSettings& settings) -> Result<std::unique_ptr<Integrator>> {
+        if (settings.fewRays) return makeEmbreeIntegrator(scene, geometry, settings);
+        Error error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
+        auto integrator =
+            makeRayIntegrator(scene, geometry, settings, gpuKernels(device, embreeKernels(settings.isa), error));
+        if (integrator == nullptr) return error;
+        return integrator;
+    };
+    return {make, cpu.identity};
+}
+
+} // namespace halflight

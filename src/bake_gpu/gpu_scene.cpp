@@ -1,0 +1,76 @@
+#include "bake_gpu/gpu_scene.h"
+
+#include "bake_gpu/scene_lists.h"
+
+#include <array>
+
+namespace halflight {
+namespace {
+
+/// SceneData in shaders/bake/scene.glsl.
+struct Addresses {
+    VkDeviceAddress tree, slots, faces, masked, masks, pictures, texels;
+    float scale;
+};
+
+VkAccelerationStructureInstanceKHR instanceOf(const BakeGeometry::Instance* place, uint32_t slot, VkDeviceAddress tree)
+{
+    VkAccelerationStructureInstanceKHR instance{};
+    const mat3 linear = place != nullptr ? place->linear : mat3(1.0f);
+    const vec3 origin = place != nullptr ? place->origin : vec3(0.0f);
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) instance.transform.matrix[row][column] = linear[column][row];
+        instance.transform.matrix[row][3] = origin[row];
+    }
+    instance.instanceCustomIndex = slot & 0xffffffu;
+    instance.mask = 0xff;
+    // No flag for facing: it is found in the mesh's space, where fronts are counter-clockwise, mirrored or not.
+    instance.accelerationStructureReference = tree;
+    return instance;
+}
+
+gpu::Tree treeOf(gpu::Device& device, const SceneLists::Mesh& mesh, const gpu::Buffer& positions, uint32_t vertexCount)
+{
+    std::vector<gpu::Buffer> indices;
+    std::vector<gpu::TriangleList> lists;
+    for (const SceneLists::Geometry& geometry : mesh.geometries) {
+        indices.push_back(bufferOf(device, geometry.corners));
+        lists.push_back({positions.address(), vertexCount, indices.back().address(), uint32_t(geometry.corners.size()),
+                         geometry.opaque});
+    }
+    return {device, std::span<const gpu::TriangleList>(lists)};
+}
+
+} // namespace
+
+GpuScene::GpuScene(gpu::Device& device, const RayScene& scene)
+{
+    const SceneLists lists(scene);
+    positions_ = bufferOf(device, scene.geometry().positions);
+    for (const SceneLists::Mesh& mesh : lists.meshes)
+        meshes_.push_back(treeOf(device, mesh, positions_, uint32_t(scene.geometry().positions.size())));
+    std::vector<VkAccelerationStructureInstanceKHR> instances;
+    for (const SceneLists::Instance& i : lists.instances)
+        instances.push_back(instanceOf(i.place, i.firstSlot, meshes_[i.mesh].address()));
+    tree_ = gpu::Tree(device, std::span<const VkAccelerationStructureInstanceKHR>(instances));
+    slots_ = bufferOf(device, lists.slots);
+    faces_ = bufferOf(device, lists.faces);
+    masked_ = bufferOf(device, lists.masked);
+    masks_ = bufferOf(device, lists.masks);
+    pictures_ = bufferOf(device, lists.pictures);
+    texels_ = bufferOf(device, lists.texels);
+    const Addresses addresses{tree_.address(),  slots_.address(),    faces_.address(),  masked_.address(),
+                              masks_.address(), pictures_.address(), texels_.address(), scene.sceneScale()};
+    addresses_ = bufferOf(device, std::span<const Addresses>(&addresses, 1));
+}
+
+std::size_t GpuScene::bytes() const
+{
+    std::size_t bytes = tree_.bytes();
+    for (const gpu::Tree& mesh : meshes_) bytes += mesh.bytes();
+    for (const gpu::Buffer* buffer : {&positions_, &slots_, &faces_, &masked_, &masks_, &pictures_, &texels_})
+        bytes += buffer->size();
+    return bytes;
+}
+
+} // namespace halflight

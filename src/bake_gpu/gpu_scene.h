@@ -1,0 +1,33 @@
+#pragma once
+// A scene's triangles, trees and masks on a device.
+
+#include "bake_gpu/bake_device.h"
+#include "bake_gpu/layout.h"
+#include "transport/trace/ray_scene.h"
+
+namespace halflight {
+
+class GpuScene {
+public:
+    /// Uploads the scene and builds its trees. Throws gpu::Failure. `device` outlives it.
+    GpuScene(gpu::Device& device, const RayScene& scene);
+
+    /// Of the block of addresses that shaders read (SceneData in shaders/bake/scene.glsl).
+    [[nodiscard]] VkDeviceAddress address() const { return addresses_.address(); }
+    /// Bytes on the device.
+    [[nodiscard]] std::size_t bytes() const;
+
+private:
+    gpu::Buffer positions_;
+    std::vector<gpu::Tree> meshes_;
+    gpu::Tree tree_;
+    gpu::Buffer slots_;
+    gpu::Buffer faces_;
+    gpu::Buffer masked_;
+    gpu::Buffer masks_;
+    gpu::Buffer pictures_;
+    gpu::Buffer texels_;
+    gpu::Buffer addresses_;
+};
+
+} // namespace halflight

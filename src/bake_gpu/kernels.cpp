@@ -1,0 +1,103 @@
+#include "bake_gpu/kernels.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace halflight {
+namespace {
+
+/// Rays of one launch: 128 MiB of them.
+constexpr std::size_t kMostRays = std::size_t(1) << 22;
+
+static_assert(sizeof(Ray) == sizeof(shading::GpuRay) && sizeof(RayHit) == sizeof(shading::GpuHit));
+
+/// Memory for a batch on both sides.
+struct Batch {
+    Batch(gpu::Device& device, std::size_t rays, std::size_t resultBytes)
+        : upload(device, rays * sizeof(Ray), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::MemoryUse::Upload),
+          rays(device, rays * sizeof(Ray), gpu::kAddressed, gpu::MemoryUse::Device),
+          results(device, rays * resultBytes, gpu::kAddressed, gpu::MemoryUse::Device),
+          readback(device, rays * resultBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback)
+    {}
+    gpu::Buffer upload, rays, results, readback;
+};
+
+void copy(gpu::Device& device, VkCommandBuffer commands, const gpu::Buffer& from, const gpu::Buffer& to,
+          VkDeviceSize bytes)
+{
+    gpu::fullBarrier(device, commands);
+    const VkBufferCopy region{0, 0, bytes};
+    device.vk.CmdCopyBuffer(commands, from.get(), to.get(), 1, &region);
+}
+
+} // namespace
+
+GpuKernels::GpuKernels(std::shared_ptr<BakeDevice> device, const RayScene& scene, std::unique_ptr<RayKernels> cpu)
+    : scene_(scene), device_(std::move(device)), cpu_(std::move(cpu)), gpuScene_(device_->device(), scene)
+{}
+
+/// Calls use(results, first) for each launch.
+template<typename Out, typename Use>
+Status GpuKernels::trace(Verb verb, std::span<const Ray> rays, bool byChance, const Use& use) const
+{
+    try {
+        gpu::Device& device = device_->device();
+        const std::size_t most = std::min(rays.size(), kMostRays);
+        const Batch batch(device, most, sizeof(Out));
+        for (std::size_t first = 0; first < rays.size(); first += most) {
+            const auto some = rays.subspan(first, std::min(most, rays.size() - first));
+            std::memcpy(batch.upload.mapped(), some.data(), some.size_bytes());
+            const TracePush push{gpuScene_.address(), batch.rays.address(), batch.results.address(),
+                                 byChance ? 1u : 0u};
+            device.execute([&](VkCommandBuffer commands) {
+                copy(device, commands, batch.upload, batch.rays, some.size_bytes());
+                (device_.get()->*verb)(commands, push, uint32_t(some.size()));
+                copy(device, commands, batch.results, batch.readback, some.size() * sizeof(Out));
+                gpu::fullBarrier(device, commands);
+            });
+            use(std::span(reinterpret_cast<const Out*>(batch.readback.mapped()), some.size()), first);
+        }
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+    return {};
+}
+
+Status GpuKernels::nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use) const
+{
+    if (!onDevice(rays.size()) || use == RayUse::Camera) return cpu_->nearest(rays, out, use);
+    return trace<RayHit>(&BakeDevice::nearest, rays, false, [&](std::span<const RayHit> hits, std::size_t first) {
+        std::copy(hits.begin(), hits.end(), out.begin() + std::ptrdiff_t(first));
+    });
+}
+
+Status GpuKernels::occluded(std::span<const Ray> rays, std::span<bool> out) const
+{
+    if (!onDevice(rays.size())) return cpu_->occluded(rays, out);
+    return trace<float>(&BakeDevice::transmittance, rays, true, [&](std::span<const float> passed, std::size_t first) {
+        for (std::size_t i = 0; i < passed.size(); ++i) out[first + i] = passed[i] == 0.0f;
+    });
+}
+
+Status GpuKernels::transmittance(std::span<const Ray> rays, std::span<vec3> out) const
+{
+    if (!onDevice(rays.size())) return cpu_->transmittance(rays, out);
+    return trace<float>(&BakeDevice::transmittance, rays, false, [&](std::span<const float> passed, std::size_t first) {
+        for (std::size_t i = 0; i < passed.size(); ++i) out[first + i] = vec3(passed[i]);
+    });
+}
+
+Status GpuKernels::crossings(std::span<const Ray> rays, std::span<int> out) const
+{
+    if (!onDevice(rays.size())) return cpu_->crossings(rays, out);
+    return trace<int>(&BakeDevice::crossings, rays, false, [&](std::span<const int> left, std::size_t first) {
+        std::copy(left.begin(), left.end(), out.begin() + std::ptrdiff_t(first));
+    });
+}
+
+std::string GpuKernels::describe(const std::string& method) const
+{
+    return "gpu (" + method + ", " + halflight::describe(*device_) + "; " + cpu_->describe(method) + ")";
+}
+
+} // namespace halflight

@@ -1,0 +1,83 @@
+// Structures that the baker's C++ and its shaders share. Shaders lay them out as scalars: a vec3 has 12 bytes.
+#ifndef HALFLIGHT_BAKE_GPU_LAYOUT_H
+#define HALFLIGHT_BAKE_GPU_LAYOUT_H
+
+#include "halflight/shading/language.h"
+
+HL_NAMESPACE_BEGIN
+
+#ifdef __cplusplus
+using halflight::ivec2;
+using halflight::vec2;
+using halflight::vec3;
+#endif
+
+HL_CONST uint kGroupSize = 64u; // invocations of a compute shader's group
+HL_CONST uint kNone = 0xffffffffu;
+
+// A ray, and what it hits: Ray and RayHit of src/transport.
+struct GpuRay {
+    vec3 origin;
+    float tMin;
+    vec3 direction;
+    float tMax; // below tMin: not traced
+};
+struct GpuHit {
+    uint face; // hit index, and kBackBit
+    vec2 barycentric;
+    float distance; // infinite: nothing was hit
+    vec3 tint;
+};
+HL_CONST uint kBackBit = 0x80000000u;
+HL_CONST uint kHiddenBit = 0x40000000u; // of a hit on its way through the shaders: the back is hidden
+
+// One geometry of one instance in the tree.
+struct GpuSlot {
+    uint firstHit;      // hit index of its first triangle
+    uint firstTriangle; // added to the numbers of masked triangles
+    uint firstFace;     // of its first triangle among the faces of all trees
+    uint firstMasked;   // the same among masked triangles; kNone: its triangles are opaque
+    uint mirrored;      // barycentric weights change places
+};
+// A byte of each face.
+HL_CONST uint kFaceSolid = 1u;
+HL_CONST uint kFaceHiddenBack = 2u;
+
+// One channel of a picture, a byte a texel.
+struct GpuBytes {
+    ivec2 size;
+    int wrapU;
+    int wrapV;
+    uint nearest;
+    uint first; // byte among those of all pictures
+};
+// A texture that a material reads.
+struct GpuTextureUse {
+    int picture; // -1: none
+    uint set;    // 0 or 1: which coordinates of GpuMaskedTriangle
+    vec2 offset;
+    vec2 scale;
+    vec2 turn;
+};
+// What decides how much of a ray a surface stops.
+struct GpuMask {
+    float opacity;
+    float cutoff;
+    uint blended;    // its alpha is a share, not a cutoff
+    uint multiplied; // light that passes is multiplied: blended, or glass
+    float glass;     // kGlassTransmittance x transmission
+    float metallic;
+    GpuTextureUse alpha;
+    GpuTextureUse metallicTexture;
+    GpuTextureUse transmissionTexture;
+};
+struct GpuMaskedTriangle {
+    uint triangle; // from GpuSlot::firstTriangle on
+    uint mask;
+    vec3 alpha; // of the vertices' colours
+    vec2 uv[6]; // corners 0 to 2 of set 0, then of set 1
+};
+
+HL_NAMESPACE_END
+
+#endif

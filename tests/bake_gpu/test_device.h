@@ -1,0 +1,40 @@
+#pragma once
+// The device of these tests: Mesa's driver for the CPU with the validation layer, or the one that
+// HALFLIGHT_TEST_DEVICE names.
+
+#include "halflight/bake_gpu/gpu_integrator.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+namespace halflight::test {
+
+/// Tests of a suite share one device. They are skipped where there is none that traces rays.
+class BakeDeviceTest : public testing::Test {
+protected:
+    static void SetUpTestSuite()
+    {
+        const char* name = std::getenv("HALFLIGHT_TEST_DEVICE");
+        auto opened = openBakeDevice({.name = name != nullptr ? name : "lavapipe", .validation = name == nullptr});
+        if (opened)
+            device = *opened;
+        else
+            why = opened.error().message;
+    }
+    static void TearDownTestSuite()
+    {
+        if (device != nullptr) EXPECT_EQ(validationMessages(*device), std::vector<std::string>{});
+        device.reset();
+    }
+    void SetUp() override
+    {
+        if (device == nullptr) GTEST_SKIP() << why;
+    }
+    static inline std::shared_ptr<BakeDevice> device;
+    static inline std::string why;
+};
+
+} // namespace halflight::test
