@@ -24,7 +24,7 @@ using namespace halflight::bench;
 namespace {
 
 constexpr std::size_t kRays = std::size_t(1) << 22;
-constexpr int kRuns = 5;
+constexpr int kRuns = 20;
 
 template<typename Body> double bestSeconds(const Body& body)
 {

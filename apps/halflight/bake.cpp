@@ -1,5 +1,6 @@
 // halflight bake: scene in, baked glTF out.
 
+#include "bake_device.h"
 #include "bake_export.h"
 #include "bake_options.h"
 #include "console.h"
@@ -7,7 +8,6 @@
 #include "terminal.h"
 
 #include "halflight/bake/bake.h"
-#include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/file.h"
 #include "halflight/base/log.h"
@@ -31,8 +31,9 @@ namespace {
 // In the cache, a file named after all that went into a bake tells what came out: the output's hash.
 class FinishedBake {
 public:
-    FinishedBake(const BakeOptions& options, const Scene& scene)
-        : output_(options.output), file_(options.bake.cacheDirectory / (hashOf(options, scene).hex() + ".done"))
+    FinishedBake(const BakeOptions& options, const Scene& scene, const IntegratorFactory& integrators)
+        : output_(options.output),
+          file_(options.bake.cacheDirectory / (hashOf(options, scene, integrators).hex() + ".done"))
     {}
     [[nodiscard]] bool isUpToDate() const
     {
@@ -45,17 +46,17 @@ public:
 
 private:
     /// Empty where the processor lacks the instruction set; the bake says so.
-    static std::string identityOf(const BakeSettings& settings)
+    static std::string identityOf(const BakeSettings& settings, const IntegratorFactory& integrators)
     {
         if (settings.mixedIdentities) return kMixedIdentities;
-        const Result<std::string> identity = embreeIntegrators().identity(settings.isa);
+        const Result<std::string> identity = integrators.identity(settings.isa);
         return identity ? *identity : std::string();
     }
-    static Hash128 hashOf(const BakeOptions& options, const Scene& scene)
+    static Hash128 hashOf(const BakeOptions& options, const Scene& scene, const IntegratorFactory& integrators)
     {
         return Hasher()
             .add(bakeHash(scene, options.bake))
-            .add(std::string_view(identityOf(options.bake)))
+            .add(std::string_view(identityOf(options.bake, integrators)))
             .add(uint8_t(options.write.lightmapFormat))
             .add(options.write.skyWidth)
             .hash();
@@ -196,11 +197,16 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         }
     }
     applyOptions(options, *scene);
+    const Result<IntegratorFactory> integrators = integratorsOn(options.device);
+    if (!integrators) {
+        display.reset();
+        return fail("--device " + options.device, integrators.error());
+    }
     std::optional<FinishedBake> finished;
     // A .gltf is more than one file, of which any may have changed since.
     const bool isWhole = options.bake.only.empty() && !options.exportStyle;
     if (!options.bake.cacheDirectory.empty() && extension == ".glb" && isWhole) {
-        finished.emplace(options, *scene);
+        finished.emplace(options, *scene, *integrators);
         const bool onlyOutput = options.reportFile.empty() && options.bake.imagesDirectory.empty() &&
                                 options.sidecarDirectory.empty() && !options.json;
         if (onlyOutput && finished->isUpToDate()) {
@@ -217,7 +223,7 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began;
         options.bake.seconds = std::max(options.bake.seconds - taken.count(), kLeastSeconds);
     }
-    Result<BakeResult> result = bake(std::move(*scene), options.bake, embreeIntegrators(), progress);
+    Result<BakeResult> result = bake(std::move(*scene), options.bake, *integrators, progress);
     if (result && interrupted()) result = cancelledError();
     if (!result) {
         display.reset();

@@ -1,6 +1,8 @@
 // The options of `halflight bake`, and of commands that bake in parts.
 
 #include "bake_options.h"
+
+#include "bake_device.h"
 #include "bake_export.h"
 #include "console.h"
 #include "emission_option.h"
@@ -124,8 +126,11 @@ void addFormatOptions(CLI::App& app, BakeOptions& options)
 void addRunOptions(CLI::App& app, BakeOptions& options)
 {
     app.option_defaults()->group("Run");
-    addChoice<int>(app, "--device", options.device, {{"auto", 0}, {"cpu", 0}},
-                   "what bakes: the processor, in either case (default auto)");
+    app.add_option("--device", options.device,
+                   "what traces rays: cpu, gpu, or gpu:NAME by part of its name (default auto: cpu). A GPU gathers the "
+                   "lightmap's light, and the processor does the rest; light differs within its noise")
+        ->type_name("auto|cpu|gpu[:NAME]")
+        ->check(CLI::Validator([](const std::string& device) { return wrongBakeDevice(device); }, ""));
     addInt(app, "--threads", options.bake.threads, 0, 4096, "0 = all cores; changes no byte of the result (default 0)");
 }
 

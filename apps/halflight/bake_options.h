@@ -36,7 +36,7 @@ struct BakeOptions {
     vec3 skyNits{0.0f};
     bool skyGiven = false;
     std::optional<EmissionUnit> emissionUnit;
-    int device = 0; ///< one so far: the CPU
+    std::string device = "auto"; ///< see integratorsOn()
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false;
     bool json = false;

@@ -1,5 +1,6 @@
 // halflight farm: one bake, or many, by any number of processes on any number of machines.
 
+#include "bake_device.h"
 #include "bake_options.h"
 #include "console.h"
 #include "farm_line.h"
@@ -8,7 +9,6 @@
 #include "terminal.h"
 
 #include "halflight/bake/farm.h"
-#include "halflight/bake_cpu/embree_integrator.h"
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -46,8 +46,9 @@ Result<BakeReport> workOnScene(const WorkOptions& options, const FarmPlan& plan,
     line.options.bake.mixedIdentities = planned.bake.identity == kMixedIdentities;
     Result<Scene> scene = sceneOf(line);
     if (!scene) return scene.error();
-    return workOnFarm(std::move(*scene), line.options.bake, planned.bake, work, plan.compares, embreeIntegrators(),
-                      progress);
+    const Result<IntegratorFactory> integrators = integratorsOn(line.options.device);
+    if (!integrators) return integrators.error();
+    return workOnFarm(std::move(*scene), line.options.bake, planned.bake, work, plan.compares, *integrators, progress);
 }
 
 int runWork(const WorkOptions& options)
@@ -137,7 +138,9 @@ Status checkScene(const BakeLine& line, const PlannedScene& planned)
     if (!scene) return scene.error();
     applyOptions(options, *scene);
     if (Status status = checkFarmInputs(*scene, options.bake, planned.bake); !status) return status;
-    return checkFarmIdentity(options.bake, planned.bake, embreeIntegrators());
+    const Result<IntegratorFactory> integrators = integratorsOn(options.device);
+    if (!integrators) return integrators.error();
+    return checkFarmIdentity(options.bake, planned.bake, *integrators);
 }
 
 int runJoin(const JoinOptions& options)

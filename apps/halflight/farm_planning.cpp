@@ -1,5 +1,6 @@
 // halflight farm plan: a folder with all that workers need.
 
+#include "bake_device.h"
 #include "bake_options.h"
 #include "console.h"
 #include "farm_line.h"
@@ -7,7 +8,6 @@
 #include "terminal.h"
 
 #include "halflight/bake/farm.h"
-#include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/file.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -135,7 +135,9 @@ Status planScene(const PlanOptions& options, const fs::path& file, const std::ve
     line.options.bake.mixedIdentities = options.bake.bake.mixedIdentities;
     Result<Scene> scene = sceneOf(line);
     if (!scene) return scene.error();
-    Result<FarmBake> bake = planFarm(std::move(*scene), line.options.bake, embreeIntegrators(), progress);
+    const Result<IntegratorFactory> integrators = integratorsOn(line.options.device);
+    if (!integrators) return integrators.error();
+    Result<FarmBake> bake = planFarm(std::move(*scene), line.options.bake, *integrators, progress);
     if (!bake) return bake.error();
     planned.bake = *bake;
     plan.scenes.push_back(std::move(planned));

@@ -1,5 +1,7 @@
 #include "program.h"
 
+#include "bake_device.h"
+
 #include "console.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/system.h"
@@ -87,7 +89,8 @@ std::string versionText()
     version += "\nno renderer, window or farm";
 #endif
     const Result<std::string> identity = embreeIntegrators().identity(InstructionSet::Automatic);
-    return version + "\n" + (identity ? "bakes as " + *identity : identity.error().message);
+    version += "\n" + (identity ? "bakes as " + *identity : identity.error().message);
+    return version + "\n" + bakeDeviceText();
 }
 
 std::vector<Command> addCommands(CLI::App& app, [[maybe_unused]] const std::vector<std::string>& arguments,

@@ -15,6 +15,9 @@
 #include "halflight/shading/rays.h"
 #include "halflight/shading/texture_filter.h"
 
+// Rays end somewhere: not every device takes an infinite length.
+const float kLongestRay = 1.0e30;
+
 layout(buffer_reference, scalar) buffer Slots { GpuSlot at[]; };
 layout(buffer_reference, scalar) buffer Words { uint at[]; };
 layout(buffer_reference, scalar) buffer MaskedTriangles { GpuMaskedTriangle at[]; };

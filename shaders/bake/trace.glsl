@@ -17,8 +17,8 @@ layout(push_constant, scalar) uniform Push
     uint byChance; // transmittance: blended surfaces stop rays by chance
 } push;
 
-// Rays end somewhere: not every device takes an infinite length.
-const float kLongestRay = 1.0e30;
+
+
 
 struct NearestPayload
 {

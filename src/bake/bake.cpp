@@ -315,7 +315,15 @@ std::string cacheWarning(const std::filesystem::path& folder, const Error& error
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
                         const Progress& progress)
 {
-    return bake(std::move(scene), settings, integratorFactory, progress, nullptr);
+    if (integratorFactory.instead == nullptr)
+        return bake(std::move(scene), settings, integratorFactory, progress, nullptr);
+    Result<BakeResult> result = bake(scene, settings, integratorFactory, progress, nullptr);
+    if (result || result.error().code != ErrorCode::DeviceFailed) return result;
+    // Nothing of the device is kept: the bytes are those of a bake without it.
+    const std::string lost = "the GPU failed, and the processor baked instead: " + result.error().message;
+    result = bake(std::move(scene), settings, *integratorFactory.instead, progress);
+    if (result) result->report.warnings.push_back(lost);
+    return result;
 }
 
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,

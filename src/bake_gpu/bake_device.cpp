@@ -1,9 +1,15 @@
 #include "bake_gpu/bake_device.h"
 
+#include "halflight/base/hash.h"
+
 #include "shaders/bake/crossings.rahit.h"
 #include "shaders/bake/crossings.rgen.h"
 #include "shaders/bake/crossings.rmiss.h"
 #include "shaders/bake/fronts.rgen.h"
+#include "shaders/bake/gather_light.comp.h"
+#include "shaders/bake/gather_rays.comp.h"
+#include "shaders/bake/gather_sources.comp.h"
+#include "shaders/bake/gather_sums.comp.h"
 #include "shaders/bake/nearest.rahit.h"
 #include "shaders/bake/nearest.rchit.h"
 #include "shaders/bake/nearest.rgen.h"
@@ -12,10 +18,12 @@
 #include "shaders/bake/transmittance.rgen.h"
 #include "shaders/bake/transmittance.rmiss.h"
 
+#include <cctype>
+
 namespace halflight {
 
 BakeDevice::BakeDevice(const BakeDeviceOptions& options)
-    : device_({.validation = options.validation, .rayTracing = true, .name = options.name}),
+    : device_({.validation = options.validation, .rayTracing = true, .name = options.name, .fails = options.fails}),
       nearest_(device_, {bake_nearest_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
                sizeof(TracePush)),
       fronts_(device_, {bake_fronts_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
@@ -23,7 +31,13 @@ BakeDevice::BakeDevice(const BakeDeviceOptions& options)
       transmittance_(device_, {bake_transmittance_rgen, bake_transmittance_rmiss, {}, bake_transmittance_rahit},
                      sizeof(TracePush)),
       crossings_(device_, {bake_crossings_rgen, bake_crossings_rmiss, {}, bake_crossings_rahit}, sizeof(TracePush))
-{}
+{
+    constexpr uint32_t kPush = 2 * sizeof(VkDeviceAddress);
+    gatherRays_ = {device_, bake_gather_rays_comp, kPush};
+    gatherLight_ = {device_, bake_gather_light_comp, kPush};
+    gatherSources_ = {device_, bake_gather_sources_comp, kPush};
+    gatherSums_ = {device_, bake_gather_sums_comp, kPush};
+}
 
 void BakeDevice::nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
 {
@@ -39,6 +53,20 @@ void BakeDevice::transmittance(VkCommandBuffer commands, const TracePush& push, 
 void BakeDevice::crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
 {
     crossings_.run(commands, gpu::bytesOf(push), count);
+}
+
+std::string BakeDevice::identity() const
+{
+    Hasher hasher;
+    for (const std::span<const uint32_t> shader : std::initializer_list<std::span<const uint32_t>>{
+             bake_crossings_rahit, bake_crossings_rgen, bake_fronts_rgen, bake_gather_light_comp, bake_gather_rays_comp,
+             bake_gather_sources_comp, bake_gather_sums_comp, bake_nearest_rahit, bake_nearest_rchit, bake_nearest_rgen,
+             bake_transmittance_rahit, bake_transmittance_rgen})
+        hasher.bytes(shader.data(), shader.size_bytes());
+    std::string identity = "gpu-" + name() + "-" + device_.driver() + "-" + hasher.hash().hex().substr(0, 8);
+    for (char& c : identity)
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.') c = '-';
+    return identity;
 }
 
 Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options)

@@ -29,7 +29,14 @@ public:
     void nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
     void transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
     void crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
+    /// Steps of the final gather (shaders/bake/gather_*.comp).
+    [[nodiscard]] const gpu::ComputePipeline& gatherRays() const { return gatherRays_; }
+    [[nodiscard]] const gpu::ComputePipeline& gatherLight() const { return gatherLight_; }
+    [[nodiscard]] const gpu::ComputePipeline& gatherSources() const { return gatherSources_; }
+    [[nodiscard]] const gpu::ComputePipeline& gatherSums() const { return gatherSums_; }
     [[nodiscard]] std::string name() const { return device_.properties().deviceName; }
+    /// "gpu-" with the device's name, its driver's version and a hash of the shaders: what decides the bytes.
+    [[nodiscard]] std::string identity() const;
 
 private:
     gpu::Device device_;
@@ -37,6 +44,10 @@ private:
     gpu::RayPipeline fronts_;
     gpu::RayPipeline transmittance_;
     gpu::RayPipeline crossings_;
+    gpu::ComputePipeline gatherRays_;
+    gpu::ComputePipeline gatherLight_;
+    gpu::ComputePipeline gatherSources_;
+    gpu::ComputePipeline gatherSums_;
 };
 
 /// Copies a list to a buffer that shaders find by its address, and trees are built from.

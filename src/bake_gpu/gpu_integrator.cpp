@@ -27,7 +27,6 @@ MakeKernels gpuKernels(const std::shared_ptr<BakeDevice>& device, const MakeKern
 
 IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device)
 {
-    const IntegratorFactory cpu = embreeIntegrators();
     const auto make = [device](const Scene& scene, const BakeGeometry& geometry,
                                const IntegrationSettings& settings) -> Result<std::unique_ptr<Integrator>> {
         if (settings.fewRays) return makeEmbreeIntegrator(scene, geometry, settings);
@@ -37,7 +36,12 @@ IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device)
         if (integrator == nullptr) return error;
         return integrator;
     };
-    return {make, cpu.identity};
+    const auto identity = [device](InstructionSet set) -> Result<std::string> {
+        Result<std::string> cpu = embreeIntegrators().identity(set); // it does a part
+        if (!cpu) return cpu;
+        return device->identity() + "-" + *cpu;
+    };
+    return {make, identity, std::make_shared<const IntegratorFactory>(embreeIntegrators())};
 }
 
 } // namespace halflight

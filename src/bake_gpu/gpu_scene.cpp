@@ -2,7 +2,7 @@
 
 #include "bake_gpu/scene_lists.h"
 
-#include <array>
+#include <algorithm>
 
 namespace halflight {
 namespace {
@@ -54,6 +54,9 @@ GpuScene::GpuScene(gpu::Device& device, const RayScene& scene)
         instances.push_back(instanceOf(i.place, i.firstSlot, meshes_[i.mesh].address()));
     tree_ = gpu::Tree(device, std::span<const VkAccelerationStructureInstanceKHR>(instances));
     slots_ = bufferOf(device, lists.slots);
+    places_ = lists.slots;
+    std::sort(places_.begin(), places_.end(),
+              [](const shading::GpuSlot& a, const shading::GpuSlot& b) { return a.firstHit < b.firstHit; });
     faces_ = bufferOf(device, lists.faces);
     masked_ = bufferOf(device, lists.masked);
     masks_ = bufferOf(device, lists.masks);
@@ -62,6 +65,16 @@ GpuScene::GpuScene(gpu::Device& device, const RayScene& scene)
     const Addresses addresses{tree_.address(),  slots_.address(),    faces_.address(),  masked_.address(),
                               masks_.address(), pictures_.address(), texels_.address(), scene.sceneScale()};
     addresses_ = bufferOf(device, std::span<const Addresses>(&addresses, 1));
+}
+
+uint32_t GpuScene::maskedOf(uint32_t hitIndex) const
+{
+    const auto after =
+        std::upper_bound(places_.begin(), places_.end(), hitIndex,
+                         [](uint32_t index, const shading::GpuSlot& slot) { return index < slot.firstHit; });
+    if (after == places_.begin()) return shading::kNone;
+    const shading::GpuSlot& slot = *(after - 1);
+    return slot.firstMasked == shading::kNone ? shading::kNone : slot.firstMasked + (hitIndex - slot.firstHit);
 }
 
 std::size_t GpuScene::bytes() const

@@ -14,10 +14,13 @@ public:
 
     /// Of the block of addresses that shaders read (SceneData in shaders/bake/scene.glsl).
     [[nodiscard]] VkDeviceAddress address() const { return addresses_.address(); }
+    /// Number of a hit triangle among the masked ones; shading::kNone of opaque ones.
+    [[nodiscard]] uint32_t maskedOf(uint32_t hitIndex) const;
     /// Bytes on the device.
     [[nodiscard]] std::size_t bytes() const;
 
 private:
+    std::vector<shading::GpuSlot> places_; ///< in ascending order of hit indices
     gpu::Buffer positions_;
     std::vector<gpu::Tree> meshes_;
     gpu::Tree tree_;

@@ -1,5 +1,7 @@
 #include "bake_gpu/kernels.h"
 
+#include "bake_gpu/gather.h"
+
 #include <algorithm>
 #include <cstring>
 
@@ -7,7 +9,7 @@ namespace halflight {
 namespace {
 
 /// Rays of one launch: 128 MiB of them.
-constexpr std::size_t kMostRays = std::size_t(1) << 22;
+constexpr std::size_t kMostOfLaunch = std::size_t(1) << 22;
 
 static_assert(sizeof(Ray) == sizeof(shading::GpuRay) && sizeof(RayHit) == sizeof(shading::GpuHit));
 
@@ -42,7 +44,7 @@ Status GpuKernels::trace(Verb verb, std::span<const Ray> rays, bool byChance, co
 {
     try {
         gpu::Device& device = device_->device();
-        const std::size_t most = std::min(rays.size(), kMostRays);
+        const std::size_t most = std::min(rays.size(), kMostOfLaunch);
         const Batch batch(device, most, sizeof(Out));
         for (std::size_t first = 0; first < rays.size(); first += most) {
             const auto some = rays.subspan(first, std::min(most, rays.size() - first));
@@ -95,9 +97,19 @@ Status GpuKernels::crossings(std::span<const Ray> rays, std::span<int> out) cons
     });
 }
 
+Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTables& tables) const
+{
+    if (scene_.anyTinted()) return std::unique_ptr<DeviceGather>();
+    try {
+        return std::unique_ptr<DeviceGather>(std::make_unique<GpuGather>(*device_, gpuScene_, tables));
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+}
+
 std::string GpuKernels::describe(const std::string& method) const
 {
-    return "gpu (" + method + ", " + halflight::describe(*device_) + "; " + cpu_->describe(method) + ")";
+    return "gpu (" + method + ", " + halflight::describe(*device_) + "), " + cpu_->describe("the rest");
 }
 
 } // namespace halflight

@@ -3,7 +3,7 @@
 
 namespace halflight::gpu {
 
-Device::Device(const DeviceOptions& options)
+Device::Device(const DeviceOptions& options) : fails_(options.fails)
 {
     try {
         if (options.handles) {
@@ -32,6 +32,7 @@ void Device::createDevice(const DeviceOptions& options)
     if (options.rayTracing) {
         features.v12.bufferDeviceAddress = VK_TRUE;
         features.v12.scalarBlockLayout = VK_TRUE;
+        features.v13.maintenance4 = VK_TRUE; // sizes of groups in shaders; every Vulkan 1.3 device has it
         features.trees.accelerationStructure = VK_TRUE;
         features.rays.rayTracingPipeline = VK_TRUE;
     } else {
@@ -98,7 +99,7 @@ void Device::prepareCommands(bool addresses)
 {
     VkPhysicalDeviceMemoryProperties memoryProperties;
     vk.GetPhysicalDeviceMemoryProperties(physical_, &memoryProperties);
-    memory_ = std::make_unique<Memory>(vk, device_, memoryProperties, addresses);
+    memory_ = std::make_unique<Memory>(vk, device_, memoryProperties, addresses, fails_);
 
     const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                            .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
@@ -181,6 +182,7 @@ void waitForEarlier(const Device& device, VkCommandBuffer commands, VkPipelineSt
 void Device::execute(const std::function<void(VkCommandBuffer)>& record)
 {
     const std::lock_guard turn(executing_);
+    if (fails_ && fails_()) check(VK_ERROR_DEVICE_LOST, "submit commands");
     check(vk.ResetCommandPool(device_, commandPool_, 0), "reset a command pool");
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                          .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};

@@ -33,6 +33,9 @@ struct DeviceOptions {
     std::string name;        ///< part of the device's or driver's name; empty: the best one, for rays a GPU alone
     std::vector<std::string> instanceExtensions; ///< enabled besides the device's own
     std::vector<std::string> deviceExtensions;
+    /// For tests: asked before memory is taken and before commands are submitted. True: it fails as if the device had
+    /// no memory left, or was lost.
+    std::function<bool()> fails;
     /// Used instead of a device of its own; the options above then have no effect.
     std::optional<Handles> handles;
 };
@@ -112,7 +115,8 @@ private:
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
     std::shared_ptr<std::mutex> queueMutex_ = std::make_shared<std::mutex>();
-    std::mutex executing_; ///< commandPool_, commands_ and fence_
+    std::function<bool()> fails_; ///< DeviceOptions::fails
+    std::mutex executing_;        ///< commandPool_, commands_ and fence_
     std::unique_ptr<Memory> memory_;
     VkCommandPool commandPool_ = VK_NULL_HANDLE;
     VkCommandBuffer commands_ = VK_NULL_HANDLE;

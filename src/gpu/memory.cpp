@@ -60,8 +60,9 @@ Allocation::~Allocation()
     if (owner_) owner_->release(*this);
 }
 
-Memory::Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties, bool addresses)
-    : vk_(vk), device_(device), properties_(properties), addresses_(addresses)
+Memory::Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties, bool addresses,
+               std::function<bool()> fails)
+    : vk_(vk), device_(device), properties_(properties), addresses_(addresses), fails_(std::move(fails))
 {}
 
 Memory::~Memory()
@@ -106,6 +107,7 @@ Memory::Block& Memory::addBlock(uint32_t type, VkDeviceSize size, bool image, bo
 Allocation Memory::allocate(const VkMemoryRequirements& requirements, MemoryUse use, bool image)
 {
     const std::lock_guard lock(mutex_);
+    if (fails_ && fails_()) check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "allocate memory");
     const std::vector<uint32_t> types = suitableTypes(properties_, requirements.memoryTypeBits, use);
     if (types.empty()) throw Failure("the Vulkan device has no memory type for this use");
 

@@ -4,6 +4,7 @@
 #include "gpu/vulkan.h"
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -45,7 +46,9 @@ enum class MemoryUse {
 class Memory {
 public:
     /// `addresses`: buffers may have device addresses (feature bufferDeviceAddress).
-    Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties, bool addresses);
+    /// `fails`: DeviceOptions::fails.
+    Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties, bool addresses,
+           std::function<bool()> fails);
     ~Memory();
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
@@ -76,6 +79,7 @@ private:
     VkDevice device_;
     VkPhysicalDeviceMemoryProperties properties_;
     bool addresses_;
+    std::function<bool()> fails_;
     std::mutex mutex_; ///< guards blocks_
     std::vector<std::unique_ptr<Block>> blocks_;
 };

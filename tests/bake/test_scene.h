@@ -153,12 +153,13 @@ struct Bench {
     std::unique_ptr<Integrator> integrator;
     std::unique_ptr<PreparedLightmap> lightmap; ///< null until irradiance() is called
 
-    Bench(Scene s, MixedLightingMode mode, int pageSize, const IntegrationSettings& settings, int mostMaskLayers = 1)
+    Bench(Scene s, MixedLightingMode mode, int pageSize, const IntegrationSettings& settings, int mostMaskLayers = 1,
+          const IntegratorFactory& factory = embreeIntegrators())
         : scene(std::move(s))
     {
         geometry = flattenGeometry(scene, pageSize, GeometryFilter::Static);
         assignShadowmaskChannels(scene, mode, mostMaskLayers);
-        integrator = std::move(*repairOrientation(embreeIntegrators(), scene, geometry, settings));
+        integrator = std::move(*repairOrientation(factory, scene, geometry, settings));
         map = rasterizeTexels(geometry, pageSize, 1);
         EXPECT_TRUE(integrator->findValidPoints(map, nullptr, {}));
     }

@@ -264,6 +264,8 @@ struct IntegratorFactory {
     /// same identity give the same bytes. It is a file's name of letters, digits, '.' and '-'. Unsupported where the
     /// processor lacks the set.
     std::function<Result<std::string>(InstructionSet set)> identity;
+    /// Bakes anew where such an integrator fails with DeviceFailed: null = the bake fails too.
+    std::shared_ptr<const IntegratorFactory> instead;
 };
 
 } // namespace halflight

@@ -3,6 +3,7 @@
 
 #include "halflight/bake/integrator.h"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@ class BakeDevice;
 struct BakeDeviceOptions {
     std::string name;        ///< part of the device's or its driver's name; empty: the best GPU, never a CPU driver
     bool validation = false; ///< Khronos validation layer with synchronization validation
+    /// For tests: asked before memory is taken and before commands are submitted. True: it fails as if the device had
+    /// no memory left, or was lost.
+    std::function<bool()> fails;
 };
 
 /// Opens a device. DeviceFailed says of each device why it does not serve. It lives as long as an integrator uses it.

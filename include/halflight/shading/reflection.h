@@ -10,7 +10,7 @@
 #ifndef HALFLIGHT_SHADING_REFLECTION_H
 #define HALFLIGHT_SHADING_REFLECTION_H
 
-#include "language.h"
+#include "color.h"
 
 HL_NAMESPACE_BEGIN
 
@@ -105,12 +105,6 @@ HL_FN float reflectionCoverage(vec3 boxPosition, vec3 halfSizeMeters, float fade
     vec3 outside = max(abs(boxPosition) - vec3(1.0f), vec3(0.0f)) * halfSizeMeters;
     float within = max(1.0f - 0.25f * dot(outside, outside) / square(fadeMeters), 0.0f);
     return square(square(within)) * within;
-}
-
-// CIE luminance of a linear Rec. 709 colour (ITU-R BT.709, section 3).
-HL_FN float luminanceOf(vec3 color)
-{
-    return dot(color, vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
 // Radiance that a specular lobe meets, from what the probes hold.

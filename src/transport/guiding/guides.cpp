@@ -47,16 +47,13 @@ SourcePoint Guides::choosePoint(const Guide& guide, vec2 u) const
     const GuideList* list = &guide.local;
     if (guide.shared.count > 0) {
         // The first random number selects the list and is rescaled.
-        const float fraction = guide.sharedFraction();
-        const bool shared = u.x < fraction;
-        if (shared) list = &guide.shared;
-        u.x = std::min(shared ? u.x / fraction : (u.x - fraction) / (1.0f - fraction), 0x1.fffffep-1f);
+        if (shading::selectsOwn(guide.sharedFraction(), u.x)) list = &guide.shared;
     }
     if (list->count == 0) return {};
     const std::size_t number =
         lastBefore(list->first, list->count, [&](std::size_t i) { return cumulative_[i - 1] <= u.x; });
     const float begin = number == list->first ? 0.0f : cumulative_[number - 1];
-    u.x = std::clamp((u.x - begin) / std::max(cumulative_[number] - begin, 1.0e-12f), 0.0f, 0x1.fffffep-1f);
+    u.x = std::clamp((u.x - begin) / std::max(cumulative_[number] - begin, 1.0e-12f), 0.0f, shading::kBelowOne);
     const Entry& entry = entries_[number];
     const float probability = guide.shared.count > 0 ? this->probability(guide, entry.cluster) : entry.probability;
     return clusters_.choosePoint(entry.cluster, probability, u);

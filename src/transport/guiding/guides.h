@@ -44,6 +44,21 @@ public:
     /// Guide at a point of a front.
     [[nodiscard]] Guide guideAt(const PatchLayout& layout, const SurfacePoint& point) const;
 
+    /// Index of the guide of a front patch, or ~0.
+    [[nodiscard]] uint32_t guideOf(PatchId patch) const
+    {
+        return patch < guideOfPatch_.size() ? guideOfPatch_[patch] : ~0u;
+    }
+    /// A cluster of a list, with the probability that it is chosen.
+    struct Entry {
+        uint32_t cluster = 0;
+        float probability = 0.0f;
+    };
+    [[nodiscard]] std::span<const Guide> guides() const { return guides_; }
+    /// List by list, in ascending order of clusters; and the probability of a list's entries up to each.
+    [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
+    [[nodiscard]] std::span<const float> cumulative() const { return cumulative_; }
+
     /// A point of one of the guide's clusters; none where the guide has no clusters.
     [[nodiscard]] SourcePoint choosePoint(const Guide& guide, vec2 u) const;
     /// Density of the guide's samples on a chart patch, per square metre; 0 for patches that are not sampled.
@@ -54,18 +69,14 @@ public:
 
 private:
     friend class GuideBuilder;
-    struct Entry {
-        uint32_t cluster = 0;
-        float probability = 0.0f;
-    };
     [[nodiscard]] float probability(const Guide& guide, uint32_t cluster) const;
     [[nodiscard]] float probability(const GuideList& list, uint32_t cluster) const;
 
     LightClusters clusters_;
     std::vector<uint32_t> guideOfPatch_; ///< ~0 = none
     std::vector<Guide> guides_;
-    std::vector<Entry> entries_;    ///< list by list, in ascending order of clusters
-    std::vector<float> cumulative_; ///< probability of a list's entries up to each
+    std::vector<Entry> entries_;
+    std::vector<float> cumulative_;
 };
 
 } // namespace halflight

@@ -35,9 +35,35 @@ public:
     void finish(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches,
                 std::span<const float> useOfCluster);
 
+    /// Part of a scene triangle that lies in one patch.
+    struct SourceTriangle {
+        FaceId face;
+        PatchId patch = 0;
+        std::array<vec2, 3> corners; ///< barycentric
+        vec3 origin{0.0f};
+        vec3 edge1{0.0f};
+        vec3 edge2{0.0f};
+        vec3 normal{0.0f};    ///< of its face
+        float pdfArea = 0.0f; ///< given the cluster
+        [[nodiscard]] float area() const { return 0.5f * glm::length(glm::cross(edge1, edge2)); }
+    };
+    /// Its triangles among those of all clusters.
+    struct Cluster {
+        uint32_t firstTriangle = 0;
+        uint32_t triangleCount = 0;
+    };
+    /// A chart patch as a member of a cluster.
+    struct Member {
+        uint32_t cluster = ~0u;
+        float pdfArea = 0.0f; ///< given the cluster; 0 = not sampled
+    };
     template<typename Archive> void archive(Archive& a) { a(clusters_, triangles_, bins_, members_); }
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
     [[nodiscard]] std::size_t size() const { return clusters_.size(); }
+    [[nodiscard]] std::span<const Cluster> clusters() const { return clusters_; }
+    [[nodiscard]] std::span<const SourceTriangle> triangles() const { return triangles_; } ///< cluster by cluster
+    [[nodiscard]] std::span<const AliasBin> bins() const { return bins_; }                 ///< of the triangles
+    [[nodiscard]] std::span<const Member> members() const { return members_; }             ///< by chart patch
     /// ~0 = none.
     [[nodiscard]] uint32_t clusterOf(PatchId patch) const
     {
@@ -70,35 +96,15 @@ public:
     }
 
 private:
-    /// Part of a scene triangle that lies in one patch.
-    struct SourceTriangle {
-        FaceId face;
-        PatchId patch = 0;
-        std::array<vec2, 3> corners; ///< barycentric
-        vec3 origin{0.0f};
-        vec3 edge1{0.0f};
-        vec3 edge2{0.0f};
-        vec3 normal{0.0f};    ///< of its face
-        float pdfArea = 0.0f; ///< given the cluster
-        [[nodiscard]] float area() const { return 0.5f * glm::length(glm::cross(edge1, edge2)); }
-    };
-    struct Cluster {
-        uint32_t firstTriangle = 0;
-        uint32_t triangleCount = 0;
-    };
-    struct Member {
-        uint32_t cluster = ~0u;
-        float pdfArea = 0.0f; ///< given the cluster; 0 = not sampled
-    };
     template<typename Body>
     void forTriangles(const PatchLayout& layout, const RayTracer& tracer, const Body& body) const;
     void remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts);
     void addTriangles(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches);
 
     std::vector<Cluster> clusters_;
-    std::vector<SourceTriangle> triangles_; ///< cluster by cluster
-    std::vector<AliasBin> bins_;            ///< of the triangles
-    std::vector<Member> members_;           ///< by chart patch
+    std::vector<SourceTriangle> triangles_;
+    std::vector<AliasBin> bins_;
+    std::vector<Member> members_;
 };
 
 } // namespace halflight

@@ -1,6 +1,7 @@
 #pragma once
 // Sums over the samples of one block of eight texels, and the estimates of texels that they are added to.
 
+#include "transport/lightmap/device_gather.h"
 #include "transport/sample/running_moments.h"
 #include "transport/texels/ray_bundle.h"
 
@@ -76,16 +77,23 @@ public:
     /// Adds a lane's sums to its texel; `moments` is one of the estimate's.
     void end(int lane, TexelEstimate& estimate, RunningMoments& moments) const
     {
-        constexpr float kShare = 2.0f / float(StratifiedPattern::kBlock);
         const auto l = std::size_t(lane);
-        for (const Half& half : halves_) {
+        const auto half = [&](std::size_t h) {
+            return DeviceGather::Half{halves_[h].irradiance[l], halves_[h].moment[l]};
+        };
+        end({{half(0), half(1)}, inverseSquares_[l]}, estimate, moments);
+    }
+    static void end(const DeviceGather::Sums& sums, TexelEstimate& estimate, RunningMoments& moments)
+    {
+        constexpr float kShare = 2.0f / float(StratifiedPattern::kBlock);
+        for (const DeviceGather::Half& half : sums.halves) {
             // Lights of extreme size or intensity may overflow.
-            const vec3 irradiance = half.irradiance[l] * kShare;
-            const vec3 moment = half.moment[l] * kShare;
+            const vec3 irradiance = half.irradiance * kShare;
+            const vec3 moment = half.moment * kShare;
             const bool finite = isFinite(irradiance) && isFinite(moment);
             moments.add(finite ? irradiance : vec3(0.0f), finite ? moment : vec3(0.0f));
         }
-        estimate.inverseSquares += inverseSquares_[l];
+        estimate.inverseSquares += sums.inverseSquares;
     }
 
 private:
@@ -93,7 +101,7 @@ private:
         Vec3Lanes irradiance;
         Vec3Lanes moment;
     };
-    static std::size_t halfOf(std::size_t stratum) { return ((stratum >> 2) ^ (stratum >> 1)) & 1u; }
+    static std::size_t halfOf(std::size_t stratum) { return shading::patternHalf(uint32_t(stratum)); }
 
     std::array<Half, 2> halves_;
     std::array<float, kLanes> inverseSquares_;

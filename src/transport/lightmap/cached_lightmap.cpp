@@ -32,6 +32,12 @@ Status CachedLightmap::prepare(const Progress& progress, std::atomic<uint64_t>& 
     auto state = std::make_unique<LightmapState>(map_);
     const auto compute = [&] { return build(*state, progress, rays); };
     if (Status s = store_.computed(kRadianceStage, *state, compute); !s) return s;
+    if (settings_.bounces > 0) {
+        auto device = paths_.surfaces().kernels().prepareGather(
+            {paths_.surfaces(), paths_.light().sky(), pattern_, state->cache, state->guides, settings_.seed});
+        if (!device) return device.error();
+        state->device = std::move(*device);
+    }
     state_ = std::move(state);
     return {};
 }

@@ -22,13 +22,14 @@ void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, 
     }
 }
 
-void FinalGather::addEmitters(const GatherGroup& group, std::span<TexelEstimate> estimates, uint64_t& rays)
+void FinalGather::addEmitters(const GatherGroup& group, int firstBlock, std::span<TexelEstimate> estimates,
+                              uint64_t& rays)
 {
     int blocks = 0;
     for (int lane = 0; lane < group.lanes(); ++lane)
         blocks = std::max(blocks, int(estimates[std::size_t(lane)].blocks()));
     next_.prepareEmitters(group);
-    for (int b = 0; b < blocks; ++b) {
+    for (int b = firstBlock; b < blocks; ++b) {
         block_.bundle.place(group, b, kAllStrata);
         sampleEmitters(group, b, estimates, rays);
     }
@@ -98,10 +99,10 @@ void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& ra
         set(s, radianceOf(s) * next_.misWeightOfHit(block_.bundle, int(stratumOf(s)), laneOf(s), patch));
     }
     for (const std::size_t s : emissive.samples())
-        set(s, radianceOf(s) + emission(group, laneOf(s), number, int(stratumOf(s))));
+        set(s, radianceOf(s) + emission(rayOf(group, laneOf(s), number, int(stratumOf(s)))));
     if (paths_.surfaces().anyTinted()) tint(radiance);
     for (const std::size_t s : continued.samples())
-        set(s, continuation(group, laneOf(s), number, int(stratumOf(s)), rays));
+        set(s, continuation(rayOf(group, laneOf(s), number, int(stratumOf(s))), rays));
 }
 
 /// Takes the colour of the glass that rays have passed.
@@ -112,25 +113,70 @@ void FinalGather::tint(Radiances& radiance) const
             radiance[stratum].set(lane, radiance[stratum][lane] * block_.bundle.hits[stratum][lane].tint);
 }
 
-/// Emission at the end of a ray with its MIS weight.
-vec3 FinalGather::emission(const GatherGroup& group, int lane, int number, int stratum) const
+FinalGather::RayFrom FinalGather::rayOf(const GatherGroup& group, int lane, int number, int stratum) const
 {
-    const Receiver receiver = next_.receiverOf(group, lane, number, stratum);
-    const vec3 direction = block_.bundle.direction(stratum, lane);
-    return paths_.direct().weightedEmission(paths_.surfaces().surfaceAt(block_.bundle.hit(stratum, lane)), direction,
-                                            receiver, gatherPdf(receiver.normal, direction));
+    return {next_.receiverOf(group, lane, number, stratum), block_.bundle.direction(stratum, lane),
+            block_.bundle.hit(stratum, lane), group.id(lane), uint32_t(number * StratifiedPattern::kBlock + stratum)};
+}
+
+/// Emission at the end of a ray with its MIS weight.
+vec3 FinalGather::emission(const RayFrom& ray) const
+{
+    return paths_.direct().weightedEmission(paths_.surfaces().surfaceAt(ray.hit), ray.direction, ray.receiver,
+                                            gatherPdf(ray.receiver.normal, ray.direction));
 }
 
 /// Radiance of the continuation path of a ray that hits no patch, or one too near.
-vec3 FinalGather::continuation(const GatherGroup& group, int lane, int number, int stratum, uint64_t& rays)
+vec3 FinalGather::continuation(const RayFrom& ray, uint64_t& rays) const
 {
-    const Receiver receiver = next_.receiverOf(group, lane, number, stratum);
-    const RayHit at = block_.bundle.hit(stratum, lane);
-    const vec3 direction = block_.bundle.direction(stratum, lane);
-    const float pdf = gatherPdf(receiver.normal, direction);
-    Sampler sampler(settings_.seed, group.id(lane), uint32_t(number * StratifiedPattern::kBlock + stratum));
+    Sampler sampler(settings_.seed, ray.texelId, ray.sample);
     const RadianceLookup lookup = cache_ != nullptr ? cache_->lookup() : RadianceLookup{};
-    return paths_.pathRadiance(at, direction, receiver, pdf, settings_.bounces, sampler, rays, lookup);
+    return paths_.pathRadiance(ray.hit, ray.direction, ray.receiver, gatherPdf(ray.receiver.normal, ray.direction),
+                               settings_.bounces, sampler, rays, lookup);
+}
+
+void FinalGather::finish(const TexelMap& map, std::span<const uint32_t> texels, std::span<const TracedBlocks> blocks,
+                         uint64_t& rays)
+{
+    if (!paths_.light().samplesEmission()) {
+        for (std::size_t lane = 0; lane < texels.size(); ++lane) finish(blocks[lane], nullptr, lane, rays);
+        return;
+    }
+    const GatherGroup group(paths_, map, texels);
+    next_.prepareEmitters(group);
+    std::array<TexelEstimate, kLanes> estimates;
+    for (std::size_t lane = 0; lane < texels.size(); ++lane) {
+        finish(blocks[lane], &next_.cut(), lane, rays);
+        estimates[lane] = *blocks[lane].estimate;
+    }
+    addEmitters(group, blocks[0].firstBlock, estimates, rays);
+    for (std::size_t lane = 0; lane < texels.size(); ++lane) *blocks[lane].estimate = estimates[lane];
+}
+
+void FinalGather::finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane, uint64_t& rays) const
+{
+    if (blocks.pointCount == 0) return;
+    std::size_t open = 0;
+    for (std::size_t b = 0; b < blocks.sums.size(); ++b) {
+        DeviceGather::Sums sums = blocks.sums[b];
+        const int number = blocks.firstBlock + int(b);
+        for (; open < blocks.open.size() && blocks.open[open].block == blocks.number + b; ++open) {
+            const DeviceGather::Open& o = blocks.open[open];
+            const int stratum = int(o.stratum);
+            const DeviceGather::Point& from =
+                blocks.points[std::size_t(shading::gatherPointOf(blocks.id, blocks.pointCount, number, stratum))];
+            const RayFrom ray{{from.position, from.normal, cut, lane},
+                              o.direction,
+                              {o.face, o.barycentric, o.distance, vec3(1.0f)},
+                              blocks.id,
+                              uint32_t(number * StratifiedPattern::kBlock + stratum)};
+            const vec3 irradiance = kPi * (o.reflectionIsIn != 0 ? emission(ray) : continuation(ray, rays));
+            DeviceGather::Half& half = sums.halves[shading::patternHalf(uint32_t(stratum))];
+            half.irradiance += irradiance;
+            half.moment += luminance(irradiance) * o.direction;
+        }
+        BlockSums::end(sums, *blocks.estimate, blocks.estimate->gathered);
+    }
 }
 
 } // namespace halflight

@@ -1,6 +1,7 @@
 #pragma once
 // Final gather: the irradiance of texels from one ray per sample, which ends in the radiance cache.
 
+#include "transport/lightmap/device_gather.h"
 #include "transport/lightmap/next_event.h"
 
 namespace halflight {
@@ -17,8 +18,23 @@ public:
     /// Adds the given blocks of 16 samples to the group's texels. `estimates` by lane.
     void add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelEstimate> estimates,
              uint64_t& rays);
-    /// Adds emitter samples to texels with gathered light: as many blocks as that has.
-    void addEmitters(const GatherGroup& group, std::span<TexelEstimate> estimates, uint64_t& rays);
+    /// Adds emitter samples to texels with gathered light: as many blocks as that has, from a first one on.
+    void addEmitters(const GatherGroup& group, int firstBlock, std::span<TexelEstimate> estimates, uint64_t& rays);
+
+    /// Blocks of a texel that a device has traced.
+    struct TracedBlocks {
+        int firstBlock = 0;
+        std::size_t number = 0; ///< of the first one in the device's list
+        std::span<const DeviceGather::Sums> sums;
+        std::span<const DeviceGather::Open> open;
+        std::span<const DeviceGather::Point> points;
+        int pointCount = 0; ///< 0 = the texel is not traced
+        uint32_t id = 0;    ///< texelId()
+        TexelEstimate* estimate = nullptr;
+    };
+    /// Finishes open rays, and adds the blocks and their emitter samples to the estimates of up to eight texels.
+    void finish(const TexelMap& map, std::span<const uint32_t> texels, std::span<const TracedBlocks> blocks,
+                uint64_t& rays);
 
 private:
     using Radiances = std::array<Vec3Lanes, StratifiedPattern::kBlock>;
@@ -26,8 +42,18 @@ private:
     void tint(Radiances& radiance) const;
     void weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays);
     void sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates, uint64_t& rays);
-    [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int number, int stratum) const;
-    vec3 continuation(const GatherGroup& group, int lane, int number, int stratum, uint64_t& rays);
+    /// A ray that hits an emitter, or goes on as a path.
+    struct RayFrom {
+        Receiver receiver;
+        vec3 direction{0.0f};
+        RayHit hit;
+        uint32_t texelId = 0;
+        uint32_t sample = 0; ///< number among all of the texel
+    };
+    [[nodiscard]] RayFrom rayOf(const GatherGroup& group, int lane, int number, int stratum) const;
+    [[nodiscard]] vec3 emission(const RayFrom& ray) const;
+    [[nodiscard]] vec3 continuation(const RayFrom& ray, uint64_t& rays) const;
+    void finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane, uint64_t& rays) const;
 
     const PathTracer& paths_;
     const StratifiedPattern& pattern_;

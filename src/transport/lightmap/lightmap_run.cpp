@@ -73,7 +73,9 @@ Status LightmapRun::firstPass()
         const int blocks = plan_.firstBlocks();
         const auto first = [blocks](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
                                     uint64_t& rays) { gather.add(group, 0, blocks, estimates, rays); };
-        if (Status s = extend(places, first); !s) return s;
+        const std::vector<int> same(input_.state.device != nullptr ? places.size() : 0, blocks);
+        if (Status s = input_.state.device != nullptr ? extendOnDevice(places, same, 0) : extend(places, first); !s)
+            return s;
         for (const uint32_t place : places) stateAt(place).valid = input_.map.texels[texelAt(place)].validPoints != 0;
     }
     return {};
@@ -96,9 +98,19 @@ Status LightmapRun::laterPasses()
             if (stateAt(i).traced() && wanted_->contains(texelAt(i))) needed[i] = plan_.blocksOf(texelAt(i), texels_);
         }
     });
+    const int first = plan_.firstBlocks();
+    if (input_.state.device != nullptr) {
+        std::vector<uint32_t> places;
+        std::vector<int> blocks;
+        for (std::size_t i = 0; i < size(); ++i) {
+            if (needed[i] <= first) continue;
+            places.push_back(uint32_t(i));
+            blocks.push_back(plan_.blocksAtLeast(first, needed[i]) - first);
+        }
+        return extendOnDevice(places, blocks, first);
+    }
     // Texels of one step form groups. The steps are the same whichever texels are asked for. All steps run at one time,
     // the longest first, because single steps have too few texels for many threads.
-    const int first = plan_.firstBlocks();
     const int most = *std::max_element(needed.begin(), needed.end());
     std::vector<std::vector<uint32_t>> placesOfStep;
     std::vector<int> blocksOfStep;
@@ -193,7 +205,19 @@ Status LightmapRun::finishInterpolated()
     }
     if (!input_.paths.light().samplesEmission()) return {};
     return extend(places, [](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
-                             uint64_t& rays) { gather.addEmitters(group, estimates, rays); });
+                             uint64_t& rays) { gather.addEmitters(group, 0, estimates, rays); });
+}
+
+/// Adds blocks of texels from `firstBlock` on. `blocks`: their numbers by place.
+Status LightmapRun::extendOnDevice(std::span<const uint32_t> places, std::span<const int> blocks, int firstBlock)
+{
+    std::vector<BatchGather::Request> requests(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+        requests[i] = {texelAt(places[i]), blocks[i], &stateAt(places[i]).estimate};
+    const BatchGather gather(*input_.state.device, input_.paths, input_.pattern, input_.state.cache,
+                             input_.state.guides, input_.settings, input_.map);
+    if (Status s = gather.add(requests, firstBlock, progress_, rays_); !s) return s;
+    return input_.paths.surfaces().outcome(true);
 }
 
 /// Calls add(gather, group, estimates, rays) for groups of texels and their estimates.

@@ -1,7 +1,7 @@
 #pragma once
 // Irradiance of some texels of a map whose radiance cache is built.
 
-#include "transport/lightmap/final_gather.h"
+#include "transport/lightmap/batch_gather.h"
 #include "transport/lightmap/sample_plan.h"
 #include "transport/texels/sparse_grid.h"
 
@@ -25,7 +25,8 @@ struct LightmapState {
     TexelGrid grid;
     RadianceCache cache;
     Guides guides;
-    float mean = 0.0f; ///< luminance of the map, rounded to a power of two
+    std::unique_ptr<DeviceGather> device; ///< gathers in place of the processor; null = none
+    float mean = 0.0f;                    ///< luminance of the map, rounded to a power of two
     /// Factor of all texels' demands (SamplePlan); 0 = not computed yet.
     float scale = 0.0f;
     std::optional<TexelStates> firstPass; ///< first samples from which `scale` was computed
@@ -70,6 +71,7 @@ public:
 
 private:
     Status laterPasses();
+    Status extendOnDevice(std::span<const uint32_t> places, std::span<const int> blocks, int firstBlock);
     Status finishInterpolated();
     bool takeFirstPass(uint32_t place);
     void tryInterpolate(uint32_t place);

@@ -9,26 +9,16 @@ namespace {
 constexpr uint32_t kEmitterSeed = 0x5eed0006u;
 constexpr uint32_t kRouletteSeed = 0x5eed0007u;
 constexpr uint32_t kSourceSeed = 0x5eed0008u;
-constexpr uint32_t kShuffleSeed = 0x5eed0011u;
 
-/// XOR shuffle of the strata of a texel that samples only some of a block's: each texel samples other parts of the unit
-/// square in the same strata. Rows and columns of the pattern remain such.
-int xorShuffle(uint32_t texelId)
-{
-    return int(hashCombine(kShuffleSeed, texelId) & (StratifiedPattern::kBlock - 1));
-}
+} // namespace
 
-/// Samples of a guide's sources in a block: in proportion to the standard deviation that the rays would have due to
-/// them (Neyman allocation), in powers of two from a quarter of the block on.
-int samplesOf(const Guide& guide)
+int sourceSamplesOf(const Guide& guide)
 {
     constexpr int kAll = StratifiedPattern::kBlock;
     if (guide.local.count + guide.shared.count == 0) return 0;
     const float deviation = std::sqrt(guide.relativeVariance);
     return deviation >= 2.0f ? kAll : deviation >= 1.0f ? kAll / 2 : kAll / 4;
 }
-
-} // namespace
 
 void NextEvent::prepareEmitters(const GatherGroup& group)
 {
@@ -53,7 +43,7 @@ void NextEvent::prepareSources(const GatherGroup& group)
         const auto lane = std::size_t(i);
         const Guide guide = guides_->guideAt(cache_->layout(), group.point(i, 0));
         guide_[lane] = guide;
-        sourceSamples_[lane] = samplesOf(guide);
+        sourceSamples_[lane] = sourceSamplesOf(guide);
     }
 }
 
@@ -103,7 +93,7 @@ void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<co
         if (sourceSamples_[lane] == 0) continue;
         const StratifiedPattern::Block points =
             pattern_.block(hashCombine(settings_.seed ^ kSourceSeed, group.id(i)), number);
-        const int shuffle = sourceSamples_[lane] < StratifiedPattern::kBlock ? xorShuffle(group.id(i)) : 0;
+        const int shuffle = sourceSamples_[lane] < StratifiedPattern::kBlock ? shading::strataShuffle(group.id(i)) : 0;
         for (const uint8_t stratum : strata) {
             if (samplesSource(lane, number, stratum))
                 points_[sampleOf(stratum, i)] = guides_->choosePoint(guide_[lane], points.unit(stratum ^ shuffle));
@@ -174,7 +164,7 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
             skyShare[lane] = paths_.light().emitters().empty() ? 1.0f : skyIlluminance / expected;
         const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
         sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);
-        if (sampled[lane] < kBlock) shuffle[lane] = xorShuffle(group.id(i));
+        if (sampled[lane] < kBlock) shuffle[lane] = shading::strataShuffle(group.id(i));
         points[lane] = pattern_.block(hashCombine(settings_.seed ^ kEmitterSeed, group.id(i)), number);
     }
     addSamples(

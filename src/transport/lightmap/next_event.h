@@ -9,6 +9,10 @@
 
 namespace halflight {
 
+/// Samples of a guide's sources in a block: in proportion to the standard deviation that the rays would have due to
+/// them (Neyman allocation), in powers of two from a quarter of the block on.
+int sourceSamplesOf(const Guide& guide);
+
 /// Rays, sums and lookups of the block that is being gathered.
 struct GatherBlock {
     explicit GatherBlock(const RadianceCache* cache) : hits(cache) {}
@@ -33,6 +37,8 @@ public:
     [[nodiscard]] bool samplesSources() const;
     [[nodiscard]] bool samplesSources(std::size_t lane) const { return sourceSamples_[lane] > 0; }
 
+    /// Of the group that prepareEmitters() opened the tree for.
+    [[nodiscard]] const LightTree::Cut& cut() const { return cut_; }
     [[nodiscard]] bool isSource(PatchId patch) const { return guides_->clusters().contains(patch); }
 
     /// The receiver of a gather ray, for the MIS weight of emitters that it hits.
@@ -56,11 +62,7 @@ public:
 private:
     [[nodiscard]] bool samplesSource(std::size_t lane, int block, int stratum) const
     {
-        // A quarter or half of a block is one or two strata in each row and column of the pattern.
-        constexpr int kQuarter = StratifiedPattern::kBlock / 4;
-        const int diagonal = ((stratum >> 2) ^ stratum ^ block) & 3;
-        return sourceSamples_[lane] == 4 * kQuarter || (sourceSamples_[lane] == 2 * kQuarter && (diagonal & 1) == 0) ||
-               (sourceSamples_[lane] == kQuarter && diagonal == 0);
+        return shading::takesSourceSample(sourceSamples_[lane], block, stratum);
     }
     [[nodiscard]] float sourceFraction(std::size_t lane) const
     {

@@ -47,6 +47,12 @@ public:
     [[nodiscard]] int firstBlocks() const;
     /// Number of blocks at which texels with `blocks` are extended next.
     [[nodiscard]] int nextStep(int blocks) const { return std::min(blocks + std::max(1, blocks / 2), mostBlocks()); }
+    /// The first step with at least `needed` blocks, from `blocks` on.
+    [[nodiscard]] int blocksAtLeast(int blocks, int needed) const
+    {
+        while (blocks < needed) blocks = nextStep(blocks);
+        return blocks;
+    }
     [[nodiscard]] bool hasTarget() const { return settings_.cache.noiseTarget > 0.0f; }
     /// Blocks of a texel, once it and its neighbours have their first ones.
     [[nodiscard]] int blocksOf(uint32_t texel, const TexelStates& states) const

@@ -3,7 +3,8 @@
 
 #include "transport/trace/ray_tracer.h"
 
-#include <algorithm>
+#include "halflight/shading/patches.h"
+
 #include <cstdint>
 #include <vector>
 
@@ -68,9 +69,7 @@ struct PatchLayout {
     {
         const Surface& s = surface(face);
         const vec2 at = s.origin + barycentric.x * s.edgeU + barycentric.y * s.edgeV;
-        const auto x = std::clamp(int(at.x), 0, int(s.width) - 1);
-        const auto y = std::clamp(int(at.y), 0, int(s.height) - 1);
-        const PatchId front = s.firstPatch + uint32_t(y) * s.width + uint32_t(x);
+        const PatchId front = s.firstPatch + shading::patchNumberAt(at, s.width, s.height);
         return face.back == 0 ? front : backOf(front);
     }
     [[nodiscard]] PatchId backOf(PatchId front) const { return front + (front < chartPatches ? chartPatches : 1); }

@@ -57,12 +57,8 @@ PatchId PatchLayout::elementAt(FaceId face, vec2 barycentric, PatchId patch) con
     const Surface& s = surface(face);
     const vec2 at = s.origin + barycentric.x * s.edgeU + barycentric.y * s.edgeV;
     const int shift = elementShift(patch);
-    const int width = 1 << shift;
-    const auto elementOf = [&](float x, int patches) {
-        const int whole = std::clamp(int(x), 0, patches - 1);
-        return uint32_t(std::clamp(int((x - float(whole)) * float(width)), 0, width - 1));
-    };
-    return e.first + (elementOf(at.y, s.height) << shift) + elementOf(at.x, s.width);
+    return e.first + (shading::elementNumberAlong(at.y, s.height, shift) << shift) +
+           shading::elementNumberAlong(at.x, s.width, shift);
 }
 
 ChartPatches::ChartPatches(const BakeGeometry& geometry, const TexelMap& map)

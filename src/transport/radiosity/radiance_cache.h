@@ -5,6 +5,7 @@
 #include "transport/sample/path_tracer.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -17,7 +18,10 @@ struct PatchRadiance {
     float minDistance = kInfinity; ///< metres; shorter rays use an element or a path instead
     vec3 tilt{0.0f};               ///< shorter than 1; zero for diffuse surfaces
     /// Radiance back along a ray of a unit direction.
-    [[nodiscard]] vec3 along(vec3 rayDirection) const { return radiance * (1.0f - glm::dot(tilt, rayDirection)); }
+    [[nodiscard]] vec3 along(vec3 rayDirection) const
+    {
+        return shading::patchRadianceAlong(radiance, tilt, rayDirection);
+    }
     [[nodiscard]] bool usableAt(float distance) const { return distance >= minDistance; }
 };
 
@@ -44,7 +48,7 @@ public:
     }
     [[nodiscard]] const PatchLayout& layout() const { return layout_; }
     /// By patch and element.
-    [[nodiscard]] const PatchRadiance* patches() const { return patches_.data(); }
+    [[nodiscard]] std::span<const PatchRadiance> patches() const { return patches_; }
 
     /// Radiance of a patch, or of its element, at the end of a ray; null if the ray is too short.
     [[nodiscard]] const PatchRadiance* find(const RayEnd& end, PatchId patch) const

@@ -1,7 +1,8 @@
 #pragma once
 // Discrete distributions sampled in constant time.
 
-#include <algorithm>
+#include "halflight/shading/gather.h"
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -15,13 +16,7 @@ struct AliasBin {
     uint32_t aliasOffset = 0; ///< index of the alias minus i, modulo 2^32
 
     /// Offset of the outcome that a number in [0, 1) selects, which becomes a number in [0, 1) again.
-    [[nodiscard]] uint32_t select(float& u) const
-    {
-        const bool own = u < share;
-        const float rest = own ? u / share : (u - share) / (1.0f - share);
-        u = std::min(rest, 0x1.fffffep-1f);
-        return own ? 0 : aliasOffset;
-    }
+    [[nodiscard]] uint32_t select(float& u) const { return shading::selectsOwn(share, u) ? 0 : aliasOffset; }
 };
 
 /// Fills the bins for outcomes whose probabilities sum to 1 (Vose 1991, "A Linear Algorithm for Generating Random

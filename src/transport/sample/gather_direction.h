@@ -2,9 +2,7 @@
 // Directions of rays that gather light at a surface.
 
 #include "halflight/bake/integrator.h"
-#include "halflight/shading/sampling.h"
-
-#include <algorithm>
+#include "halflight/shading/gather.h"
 
 namespace halflight {
 
@@ -15,17 +13,14 @@ inline vec3 gatherDirection(const SurfacePoint& point, vec2 u)
     vec3 bitangent;
     shading::orthonormalBasis(point.normal, tangent, bitangent);
     const vec3 local = shading::sampleCosineHemisphere(u);
-    vec3 direction = local.x * tangent + local.y * bitangent + local.z * point.normal;
-    // Hemispheres about interpolated normals reach below the triangle; such directions are reflected out of it.
-    const float side = glm::dot(direction, point.geometricNormal);
-    if (side < 0.0f) direction -= 2.0f * side * point.geometricNormal;
-    return direction;
+    const vec3 direction = local.x * tangent + local.y * bitangent + local.z * point.normal;
+    return shading::outOfSurface(direction, point.geometricNormal);
 }
 
 /// Its density per steradian; above 0 for reflected directions too.
 inline float gatherPdf(vec3 normal, vec3 direction)
 {
-    return std::max(glm::dot(normal, direction), 1.0e-4f) / kPi;
+    return shading::gatherDirectionPdf(normal, direction);
 }
 
 } // namespace halflight

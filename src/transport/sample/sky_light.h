@@ -35,6 +35,10 @@ public:
         return samples() ? radiance(direction) - dimRadiance(direction) : vec3(0.0f);
     }
 
+    /// The sky itself; luminance above which a picture's texels count for the bright part.
+    [[nodiscard]] const Sky& sky() const { return sky_; }
+    [[nodiscard]] float limit() const { return limit_; }
+    [[nodiscard]] vec2 turn() const { return turn_; } ///< cosine and sine of the picture's rotation
     /// Whether there is a bright part.
     [[nodiscard]] bool samples() const { return !areas_.empty(); }
     struct Sample {

@@ -5,11 +5,12 @@
 
 #include "halflight/base/math.h"
 #include "halflight/base/mathematics.h"
-#include "halflight/shading/random.h"
+#include "halflight/shading/pattern.h"
 
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -21,9 +22,9 @@ namespace halflight {
 /// (random digit scrambling: Kollig and Keller 2002, "Efficient Multidimensional Sampling"), which permutes the strata.
 class StratifiedPattern {
 public:
-    static constexpr int kBlock = 16;     ///< samples of a block, one for each stratum
-    static constexpr int kBlocks = 64;    ///< of a stored sequence; later blocks take another sequence
-    static constexpr int kSequences = 32; ///< a power of two
+    static constexpr int kBlock = shading::kPatternBlock;
+    static constexpr int kBlocks = shading::kPatternBlocks;
+    static constexpr int kSequences = shading::kPatternSequences;
 
     explicit StratifiedPattern(uint32_t seed) : points_(std::size_t(kBlocks) * kSequences * kBlock)
     {
@@ -31,7 +32,7 @@ public:
             for (uint32_t i = 0; i < kBlocks * kBlock; ++i) {
                 const uvec2 p = Sampler::scrambledBits(i, hashCombine(seed, q));
                 const uint32_t point = (p.x >> 16) | (p.y & 0xffff0000u);
-                points_[((i / kBlock) * kSequences + q) * kBlock + stratumOf(point)] = point;
+                points_[((i / kBlock) * kSequences + q) * kBlock + shading::patternStratum(point)] = point;
             }
         }
         for (std::size_t i = 0; i < kAngles; ++i) {
@@ -49,11 +50,7 @@ public:
         {
             return points_[uint32_t(stratum) ^ stratumShuffle_] ^ shuffle_;
         }
-        [[nodiscard]] vec2 unit(int stratum) const
-        {
-            const uint32_t p = bits(stratum);
-            return (vec2(float(p & 0xffffu), float(p >> 16)) + 0.5f) * 0x1.0p-16f;
-        }
+        [[nodiscard]] vec2 unit(int stratum) const { return shading::patternUnit(bits(stratum)); }
 
     private:
         friend StratifiedPattern;
@@ -63,13 +60,19 @@ public:
     };
     [[nodiscard]] Block block(uint32_t texelHash, int number) const
     {
-        const uint32_t h = hashCombine(texelHash, uint32_t(number / kBlocks));
         Block b;
-        b.points_ = &points_[(std::size_t(number % kBlocks) * kSequences + (hashPcg(h) & (kSequences - 1))) * kBlock];
-        b.shuffle_ = h;
-        b.stratumShuffle_ = stratumOf(h);
+        b.points_ = &points_[shading::patternBlockOf(texelHash, number, b.shuffle_)];
+        b.stratumShuffle_ = shading::patternStratum(b.shuffle_);
         return b;
     }
+
+    /// The stored points and tables.
+    struct Tables {
+        std::span<const uint32_t> points; ///< by block, sequence and stratum
+        std::span<const vec2> radii;      ///< of direction(): sine and cosine of the angle to +Z
+        std::span<const vec2> angles;     ///< cosine and sine of the angle about it
+    };
+    [[nodiscard]] Tables tables() const { return {points_, radii_, angles_}; }
 
     /// Cosine-distributed direction about +Z, from tables of 2^11 radii and angles.
     [[nodiscard]] vec3 direction(uint32_t bits) const
@@ -103,9 +106,8 @@ public:
     }
 
 private:
-    static constexpr int kAngleBits = 11; ///< steps of 0.2 degrees; both tables fit the first-level cache
+    static constexpr int kAngleBits = shading::kPatternAngleBits; ///< both tables fit the first-level cache
     static constexpr std::size_t kAngles = std::size_t(1) << kAngleBits;
-    static uint32_t stratumOf(uint32_t point) { return ((point >> 12) & 0xcu) | (point >> 30); }
 
     std::vector<uint32_t> points_; ///< by block, sequence and stratum
     std::array<vec2, kAngles> radii_;

@@ -4,6 +4,8 @@
 #include "transport/texels/texel_group.h"
 #include "transport/trace/lanes.h"
 
+#include "halflight/shading/gather.h"
+
 namespace halflight {
 
 inline constexpr std::array<uint8_t, StratifiedPattern::kBlock> kAllStrata = {0, 1, 2,  3,  4,  5,  6,  7,
@@ -62,11 +64,8 @@ struct RayBundle {
             Vec3Lanes direction;
             for (std::size_t l = 0; l < kLanes; ++l) {
                 const vec3 g = f.geometricNormal[l];
-                vec3 d = local.x[l] * f.tangent[l] + local.y[l] * f.bitangent[l] + local.z[l] * f.normal[l];
-                // As gatherDirection(): reflected out of the surface.
-                const float side = glm::dot(d, g);
-                d -= (side < 0.0f ? 2.0f * side : 0.0f) * g;
-                direction.set(l, d);
+                const vec3 d = local.x[l] * f.tangent[l] + local.y[l] * f.bitangent[l] + local.z[l] * f.normal[l];
+                direction.set(l, shading::outOfSurface(d, g));
             }
             for (std::size_t l = 0; l < kLanes; ++l) {
                 Ray& ray = rays[stratum][l];

@@ -103,13 +103,11 @@ public:
         const Lane& l = lane_[std::size_t(lane)];
         return l.points[std::size_t(number % l.pointCount)];
     }
-    /// Index of the origin of a stratum's ray. A block uses each of 16 points once, and over 16 blocks each stratum
-    /// uses all points. Fewer points are used equally often over the blocks.
+    /// Index of the origin of a stratum's ray.
     [[nodiscard]] int pointOf(int lane, int block, int stratum) const
     {
         const Lane& l = lane_[std::size_t(lane)];
-        const int number = (stratum ^ (block * 11) ^ int(l.id * 0x9e3779b9u >> 28)) & (kMaxTexelPoints - 1);
-        return l.pointCount == kMaxTexelPoints ? number : (block * kMaxTexelPoints + number) % l.pointCount;
+        return shading::gatherPointOf(l.id, l.pointCount, block, stratum);
     }
 
 protected:

@@ -26,9 +26,6 @@ struct Ray {
 };
 static_assert(sizeof(Ray) == 32);
 
-/// Share of the way to a point on a surface at which shadow rays end, so that rounding does not make them hit it.
-constexpr float kShortOfSurface = 1.0f - 1.0e-4f;
-
 /// The nearest surface along a ray, without its properties, and what the glass before it does to light.
 struct RayHit {
     FaceId face;

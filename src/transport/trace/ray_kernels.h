@@ -19,6 +19,9 @@ namespace halflight {
 /// single-sided surfaces, as the renderer does, and hit objects that cast no shadow.
 enum class RayUse { Light, Camera };
 
+class DeviceGather;
+struct GatherTables;
+
 /// Traces batches of rays. A result depends on its ray alone, but for rounding: rays that belong together are faster in
 /// one batch, and a batch of the same rays gives the same bits. `out` has one entry for each ray. All verbs may be
 /// called by several threads at once. An error means that the device is lost: `out` is undefined then, and all later
@@ -48,6 +51,9 @@ public:
     {
         return false;
     }
+    /// The final gather of whole batches of texels (lightmap/device_gather.h); null where rays are traced by the verbs
+    /// above. The kernels outlive it.
+    [[nodiscard]] virtual Result<std::unique_ptr<DeviceGather>> prepareGather(const GatherTables& tables) const;
     /// One line for reports: what traces, and by which method, as "cpu (radiance cache, Embree 4.3.0, 16 threads)".
     [[nodiscard]] virtual std::string describe(const std::string& method) const = 0;
     /// Most bytes of the trees so far.

@@ -44,7 +44,7 @@ def bake(
     settings: Optional[Path] = None,
     seed: Optional[int] = None,
     isa: Optional[Literal["auto", "sse2", "avx2", "avx512"]] = None,
-    device: Optional[Literal["auto", "cpu"]] = None,
+    device: Optional[Literal["auto", "cpu", "gpu[:NAME]"]] = None,
     threads: Optional[int] = None,
     cache: Optional[Path] = None,
     only: Optional[Union[str, Sequence[str]]] = None,
@@ -105,7 +105,8 @@ def bake(
         isa: the processor's instructions that trace rays; light differs within its noise, in other bytes (default auto:
             avx2 where it is there, else sse2)
     Run:
-        device: what bakes: the processor, in either case (default auto)
+        device: what traces rays: cpu, gpu, or gpu:NAME by part of its name (default auto: cpu). A GPU gathers the
+            lightmap's light, and the processor does the rest; light differs within its noise
         threads (0..4096): 0 = all cores; changes no byte of the result (default 0)
         cache: keep finished tiles in this folder: an interrupted bake goes on where it stopped, a changed scene is
             baked anew only where the change shows; several bakes may share it

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Checks bakes on this machine's GPU: rays and light against the processor's, repeated bytes, rates. Needs a build of the
+# tests (scripts/test.sh, or cmake --preset dev && ninja -C build/dev).
+#
+#   scripts/gpu_check.sh [NAME]
+#
+# NAME: part of the device's name; without it the best GPU. Prints device and driver first, and "all right" at the end.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+name=${1:-}
+program=build/dev/apps/halflight/halflight
+tests=build/dev/tests/bake_gpu/test_bake_gpu
+for file in "$program" "$tests"; do
+  if [ ! -x "$file" ]; then echo "gpu_check: $file is missing: run scripts/test.sh first" >&2; exit 1; fi
+done
+device=gpu${name:+:$name}
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+"$program" --version | tail -n 2
+echo "== rays and light against the processor's"
+HALFLIGHT_TEST_DEVICE=${name:-} "$tests" --gtest_brief=1
+echo "== three bakes in three processes: the same bytes"
+for scene in assets/courtyard.glb assets/tests/two_rooms.glb; do
+  for run in 1 2 3; do
+    "$program" bake "$scene" -o "$folder/$run.glb" --quality preview --lightmap-size 512 --device "$device" --quiet
+  done
+  cmp "$folder/1.glb" "$folder/2.glb"
+  cmp "$folder/1.glb" "$folder/3.glb"
+  echo "$scene: equal"
+done
+echo "== seconds of the lightmap, processor and GPU"
+for on in cpu "$device"; do
+  "$program" bake assets/courtyard.glb -o "$folder/x.glb" --quality preview --device "$on" --quiet --report "$folder/report.json"
+  python3 - "$folder/report.json" <<'PYTHON'
+import json
+import sys
+
+report = json.load(open(sys.argv[1]))
+seconds = {stage["name"]: stage["seconds"] for stage in report["stages"]}
+print(f"{report['integrator']}: lightmap {seconds['lightmap']:.2f} of {report['seconds']:.2f} s")
+PYTHON
+done
+bench=build/bench/bench/bench_gpu_rays
+if [ -x "$bench" ]; then "$bench" --scene assets/courtyard.glb ${name:+--device "$name"}; fi
+echo "all right"

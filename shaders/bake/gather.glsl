@@ -1,0 +1,163 @@
+// The final gather: what its shaders have in common. Rays of a chunk of 32 blocks are numbered by stratum first, so that
+// neighbouring rays start from neighbouring texels in similar directions.
+#ifndef HALFLIGHT_BAKE_GATHER_GLSL
+#define HALFLIGHT_BAKE_GATHER_GLSL
+
+#include "scene.glsl"
+
+#include "bake_gpu/gather_layout.h"
+#include "halflight/shading/color.h"
+#include "halflight/shading/gather.h"
+#include "halflight/shading/patches.h"
+#include "halflight/shading/pattern.h"
+
+layout(buffer_reference, scalar) buffer Texels { GpuTexel at[]; };
+layout(buffer_reference, scalar) buffer Points { GpuPoint at[]; };
+layout(buffer_reference, scalar) buffer Blocks { GpuBlock at[]; };
+layout(buffer_reference, scalar) buffer SumsList { GpuSums at[]; };
+layout(buffer_reference, scalar) buffer OpenList { GpuOpen at[]; };
+layout(buffer_reference, scalar) buffer Surfaces { GpuSurface at[]; };
+layout(buffer_reference, scalar) buffer Patches { GpuPatch at[]; };
+layout(buffer_reference, scalar) buffer Guides { GpuGuide at[]; };
+layout(buffer_reference, scalar) buffer Entries { GpuEntry at[]; };
+layout(buffer_reference, scalar) buffer Clusters { GpuCluster at[]; };
+layout(buffer_reference, scalar) buffer SourceTriangles { GpuSourceTriangle at[]; };
+layout(buffer_reference, scalar) buffer AliasBins { GpuAliasBin at[]; };
+layout(buffer_reference, scalar) buffer Members { GpuMember at[]; };
+layout(buffer_reference, scalar) buffer Rays { GpuRay at[]; };
+layout(buffer_reference, scalar) buffer Hits { GpuHit at[]; };
+layout(buffer_reference, scalar) buffer Vectors { vec3 at[]; };
+layout(buffer_reference, scalar) buffer Pairs { vec2 at[]; };
+layout(buffer_reference, scalar) buffer Floats { float at[]; };
+
+// GpuGather::Tables: what a map's gather reads.
+layout(buffer_reference, scalar) buffer Tables
+{
+    SceneData scene;
+    Words pattern; // points of StratifiedPattern, and its tables
+    Pairs radii;
+    Pairs angles;
+    Surfaces surfaces;
+    Vectors normals; // by hit index
+    Words elements;
+    Patches patches;
+    Guides guides;
+    Entries entries;
+    Floats cumulative;
+    Clusters clusters;
+    SourceTriangles triangles;
+    Words sourceMasks; // by source triangle: its masked triangle, or kNone
+    AliasBins bins;
+    Members members;
+    Vectors picture; // of the sky
+    GpuGatherConstants all;
+};
+
+// GpuGather::Lists: what one call works on.
+layout(buffer_reference, scalar) buffer Lists
+{
+    Texels texels;
+    Points points;
+    Blocks blocks;
+    Rays rays;
+    Hits hits;
+    Vectors gathered;   // irradiance along each gather ray
+    Rays sourceRays;
+    Vectors sources;    // irradiance without shadows
+    Floats passed;      // transmittance of source rays
+    SumsList sums;
+    OpenList open;
+    Words counts;       // open rays, rays to sources
+    uint blockCount;
+};
+
+layout(push_constant, scalar) uniform Push
+{
+    Tables tables;
+    Lists lists;
+} push;
+
+const uint kChunk = 32u; // blocks
+
+// The sample of a ray. False beyond the list of blocks.
+bool sampleOf(uint ray, out uint block, out int stratum)
+{
+    uint size = kChunk * uint(kPatternBlock);
+    block = ray / size * kChunk + ray % kChunk;
+    stratum = int(ray % size / kChunk);
+    return block < push.lists.blockCount;
+}
+uint rayOf(uint block, int stratum)
+{
+    return block / kChunk * kChunk * uint(kPatternBlock) + uint(stratum) * kChunk + block % kChunk;
+}
+
+// Number of an invocation: dispatches of many have rows of 65535 groups.
+uint invocation()
+{
+    return (gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x) * kGroupSize + gl_LocalInvocationID.x;
+}
+
+GpuPoint pointOf(GpuTexel texel, uint block, int stratum)
+{
+    return push.lists.points.at[texel.firstPoint +
+                                uint(gatherPointOf(texel.id, int(texel.pointCount), int(block), stratum))];
+}
+
+uint patternPoint(uint texelHash, uint block, int stratum)
+{
+    uint shuffle;
+    uint first = patternBlockOf(texelHash, int(block), shuffle);
+    return push.tables.pattern.at[first + (uint(stratum) ^ patternStratum(shuffle))] ^ shuffle;
+}
+
+// PatchLayout::patchAt() and where the hit lies, in patches.
+uint patchAt(GpuSurface surface, bool back, vec2 at)
+{
+    uint front = (surface.patches & kFirstPatchBits) +
+                 patchNumberAt(at, int(surface.size & 0xffffu), int(surface.size >> 16u));
+    if (!back) return front;
+    return front + (front < push.tables.all.chartPatches ? push.tables.all.chartPatches : 1u);
+}
+
+// RadianceCache::find(): number of the patch or element with the light at the end of a ray; kNone if the ray is too
+// short.
+uint litPatchAt(GpuSurface surface, vec2 at, uint patchId, float distance)
+{
+    if (distance >= push.tables.patches.at[patchId].minDistance) return patchId;
+    uint elements = push.tables.elements.at[patchId];
+    if ((elements & kSplit) == 0u) return kNone;
+    int shift = push.tables.all.patchShift + ((elements & kHalfTexelElements) != 0u ? 1 : 0);
+    uint element = (elements & kFirstElementBits) +
+                   (elementNumberAlong(at.y, int(surface.size >> 16u), shift) << shift) +
+                   elementNumberAlong(at.x, int(surface.size & 0xffffu), shift);
+    return distance >= push.tables.patches.at[element].minDistance ? element : kNone;
+}
+
+// Guides::probability() of a list.
+float probabilityIn(uint first, uint count, uint cluster)
+{
+    if (count == 0u) return 0.0;
+    while (count > 1u) {
+        uint middle = count / 2u;
+        if (push.tables.entries.at[first + middle].cluster <= cluster) first += middle;
+        count -= middle;
+    }
+    GpuEntry entry = push.tables.entries.at[first];
+    return entry.cluster == cluster ? entry.probability : 0.0;
+}
+
+float sharedFraction(GpuGuide guide)
+{
+    return guide.sharedCount == 0u ? 0.0 : guide.localCount == 0u ? 1.0 : 0.5;
+}
+
+float probabilityOf(GpuGuide guide, uint cluster)
+{
+    float local = probabilityIn(guide.localFirst, guide.localCount, cluster);
+    if (guide.sharedCount == 0u) return local;
+    float fraction = sharedFraction(guide);
+    return (1.0 - fraction) * local + fraction * probabilityIn(guide.sharedFirst, guide.sharedCount, cluster);
+}
+
+#endif

@@ -1,0 +1,175 @@
+#include "bake_gpu/gather.h"
+
+#include "bake_gpu/gather_layout.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace halflight {
+namespace {
+
+using namespace shading;
+
+static_assert(sizeof(DeviceGather::Texel) == sizeof(GpuTexel) && sizeof(DeviceGather::Point) == sizeof(GpuPoint));
+static_assert(sizeof(DeviceGather::Block) == sizeof(GpuBlock) && sizeof(DeviceGather::Sums) == sizeof(GpuSums));
+static_assert(sizeof(DeviceGather::Open) == sizeof(GpuOpen));
+static_assert(sizeof(PatchLayout::Surface) == sizeof(GpuSurface) && sizeof(PatchLayout::Elements) == sizeof(uint32_t));
+static_assert(sizeof(PatchRadiance) == sizeof(GpuPatch) && sizeof(Guide) == sizeof(GpuGuide));
+static_assert(sizeof(Guides::Entry) == sizeof(GpuEntry) && sizeof(LightClusters::Cluster) == sizeof(GpuCluster));
+static_assert(sizeof(LightClusters::SourceTriangle) == sizeof(GpuSourceTriangle));
+static_assert(sizeof(AliasBin) == sizeof(GpuAliasBin) && sizeof(LightClusters::Member) == sizeof(GpuMember));
+
+/// Tables in shaders/bake/gather.glsl.
+struct Tables {
+    VkDeviceAddress scene, pattern, radii, angles, surfaces, normals, elements, patches, guides, entries, cumulative,
+        clusters, triangles, sourceMasks, bins, members, picture;
+    GpuGatherConstants all;
+};
+/// Lists in shaders/bake/gather.glsl.
+struct Lists {
+    VkDeviceAddress texels, points, blocks, rays, hits, gathered, sourceRays, sources, passed, sums, open, counts;
+    uint32_t blockCount;
+};
+struct Push {
+    VkDeviceAddress tables, lists;
+};
+
+constexpr std::size_t kChunk = 32; ///< blocks whose rays are numbered together
+constexpr std::size_t kMostRays = DeviceGather::kMostBlocks * kPatternBlock;
+constexpr uint32_t kSourceSeed = 0x5eed0008u;
+
+std::vector<vec3> normalsOf(const RayTracer& surfaces)
+{
+    std::vector<vec3> normals(surfaces.hitTriangleCount());
+    for (uint32_t i = 0; i < normals.size(); ++i)
+        normals[i] = surfaces.geometry().geometricNormal(surfaces.triangleAt(i));
+    return normals;
+}
+
+} // namespace
+
+/// Buffers of one call. The lists that the processor writes and reads are in its memory, and the device reaches them
+/// there: each of their bytes is used once.
+struct GpuGather::Workspace {
+    explicit Workspace(gpu::Device& device)
+        : texels(device, kMostBlocks * sizeof(Texel), gpu::kAddressed, gpu::MemoryUse::Upload),
+          points(device, kMostBlocks * kPatternBlock * sizeof(Point), gpu::kAddressed, gpu::MemoryUse::Upload),
+          blocks(device, kMostBlocks * sizeof(Block), gpu::kAddressed, gpu::MemoryUse::Upload),
+          lists(device, sizeof(Lists), gpu::kAddressed, gpu::MemoryUse::Upload),
+          rays(device, kMostRays * sizeof(GpuRay), gpu::kAddressed, gpu::MemoryUse::Device),
+          hits(device, kMostRays * sizeof(GpuHit), gpu::kAddressed, gpu::MemoryUse::Device),
+          gathered(device, kMostRays * sizeof(vec3), gpu::kAddressed, gpu::MemoryUse::Device),
+          sourceRays(device, kMostRays * sizeof(GpuRay), gpu::kAddressed, gpu::MemoryUse::Device),
+          sources(device, kMostRays * sizeof(vec3), gpu::kAddressed, gpu::MemoryUse::Device),
+          passed(device, kMostRays * sizeof(float), gpu::kAddressed, gpu::MemoryUse::Device),
+          sums(device, kMostBlocks * sizeof(Sums), gpu::kAddressed, gpu::MemoryUse::Readback),
+          open(device, kMostRays * sizeof(Open), gpu::kAddressed, gpu::MemoryUse::Readback),
+          counts(device, 2 * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
+    {}
+    gpu::Buffer texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open, counts;
+};
+
+GpuGather::~GpuGather() = default;
+
+GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GatherTables& tables)
+    : device_(device), scene_(scene)
+{
+    gpu::Device& on = device.device();
+    const auto keep = [&](const auto& list) {
+        buffers_.push_back(bufferOf(on, std::span(std::as_const(list))));
+        return buffers_.back().address();
+    };
+    const PatchLayout& layout = tables.cache.layout();
+    const StratifiedPattern::Tables pattern = tables.pattern.tables();
+    const LightClusters& clusters = tables.guides.clusters();
+    const Sky& sky = tables.sky.sky();
+    Tables t{};
+    t.scene = scene.address();
+    t.pattern = keep(pattern.points);
+    t.radii = keep(pattern.radii);
+    t.angles = keep(pattern.angles);
+    t.surfaces = keep(layout.surfaces);
+    t.normals = keep(normalsOf(tables.surfaces));
+    t.elements = keep(layout.elements);
+    t.patches = keep(tables.cache.patches());
+    t.guides = keep(tables.guides.guides());
+    t.entries = keep(tables.guides.entries());
+    t.cumulative = keep(tables.guides.cumulative());
+    t.clusters = keep(clusters.clusters());
+    t.triangles = keep(clusters.triangles());
+    std::vector<uint32_t> masks;
+    for (const LightClusters::SourceTriangle& source : clusters.triangles())
+        masks.push_back(scene.maskedOf(source.face.hitIndex));
+    t.sourceMasks = keep(masks);
+    t.bins = keep(clusters.bins());
+    t.members = keep(clusters.members());
+    const ImageRgb32f* picture = sky.picture.get();
+    t.picture = keep(picture != nullptr ? std::span<const vec3>(picture->texels()) : std::span<const vec3>());
+    t.all.seed = tables.seed;
+    t.all.sourceSeed = tables.seed ^ kSourceSeed;
+    t.all.chartPatches = layout.chartPatches;
+    t.all.patchShift = layout.patchShift;
+    t.all.memberCount = uint32_t(clusters.members().size());
+    t.all.sky = (tables.sky.black() ? 0u : kSky) | (picture != nullptr ? kSkyPicture : 0u);
+    t.all.zenith = sky.zenith;
+    t.all.horizon = sky.horizon;
+    t.all.ground = sky.ground;
+    t.all.pictureSize = picture != nullptr ? picture->size() : ivec2(0);
+    t.all.turn = tables.sky.turn();
+    t.all.limit = tables.sky.limit();
+    tables_ = bufferOf(on, std::span<const Tables>(&t, 1));
+    workspace_ = std::make_unique<Workspace>(on);
+}
+
+Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
+                         std::span<Sums> sums, std::vector<Open>& open, uint64_t& rays) const
+{
+    open.clear();
+    if (blocks.empty()) return {};
+    const std::lock_guard turn(mutex_);
+    Workspace& w = *workspace_;
+    const auto write = [](const gpu::Buffer& to, const auto& list) {
+        std::memcpy(to.mapped(), list.data(), list.size_bytes());
+    };
+    write(w.texels, texels);
+    write(w.points, points);
+    write(w.blocks, blocks);
+    std::memset(w.counts.mapped(), 0, w.counts.size());
+    const Lists lists{w.texels.address(),     w.points.address(),   w.blocks.address(),     w.rays.address(),
+                      w.hits.address(),       w.gathered.address(), w.sourceRays.address(), w.sources.address(),
+                      w.passed.address(),     w.sums.address(),     w.open.address(),       w.counts.address(),
+                      uint32_t(blocks.size())};
+    std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
+    const Push push{tables_.address(), w.lists.address()};
+    const auto count = uint32_t((blocks.size() + kChunk - 1) / kChunk * kChunk * kPatternBlock);
+    const bool anySources =
+        std::any_of(texels.begin(), texels.end(), [](const Texel& texel) { return texel.sources > 0; });
+    try {
+        device_.device().execute([&](VkCommandBuffer commands) {
+            const std::span<const std::byte> bytes = gpu::bytesOf(push);
+            device_.gatherRays().run(commands, bytes, count, kGroupSize);
+            device_.nearest(commands, {scene_.address(), w.rays.address(), w.hits.address()}, count);
+            device_.gatherLight().run(commands, bytes, count, kGroupSize);
+            if (anySources) {
+                device_.gatherSources().run(commands, bytes, count, kGroupSize);
+                device_.transmittance(commands, {scene_.address(), w.sourceRays.address(), w.passed.address()}, count);
+            }
+            device_.gatherSums().run(commands, bytes, blocks.size(), kGroupSize);
+            gpu::fullBarrier(device_.device(), commands);
+        });
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+    std::memcpy(sums.data(), w.sums.mapped(), sums.size_bytes());
+    std::array<uint32_t, 2> counts{};
+    std::memcpy(counts.data(), w.counts.mapped(), sizeof(counts));
+    open.resize(counts[0]);
+    std::memcpy(open.data(), w.open.mapped(), open.size() * sizeof(Open));
+    std::sort(open.begin(), open.end(), [](const Open& a, const Open& b) {
+        return a.block != b.block ? a.block < b.block : a.stratum < b.stratum;
+    });
+    rays += blocks.size() * kPatternBlock + counts[1];
+    return {};
+}
+
+} // namespace halflight

@@ -1,0 +1,30 @@
+#pragma once
+// The final gather on a device: rays, lookups and sums of a batch of blocks, in one submission.
+
+#include "bake_gpu/gpu_scene.h"
+#include "transport/lightmap/device_gather.h"
+
+#include <mutex>
+
+namespace halflight {
+
+class GpuGather final : public DeviceGather {
+public:
+    /// Uploads the tables. Throws gpu::Failure. `device` and `scene` outlive it.
+    GpuGather(BakeDevice& device, const GpuScene& scene, const GatherTables& tables);
+    ~GpuGather() override;
+
+    Status gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
+                  std::span<Sums> sums, std::vector<Open>& open, uint64_t& rays) const override;
+
+private:
+    struct Workspace;
+    BakeDevice& device_;
+    const GpuScene& scene_;
+    std::vector<gpu::Buffer> buffers_; ///< what the tables point to
+    gpu::Buffer tables_;
+    mutable std::mutex mutex_; ///< the workspace takes turns
+    std::unique_ptr<Workspace> workspace_;
+};
+
+} // namespace halflight

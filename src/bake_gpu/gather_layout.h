@@ -1,0 +1,122 @@
+// Structures of the final gather that C++ and shaders share. C++ copies its own structures of the same layout: their
+// names follow in brackets.
+#ifndef HALFLIGHT_BAKE_GPU_GATHER_LAYOUT_H
+#define HALFLIGHT_BAKE_GPU_GATHER_LAYOUT_H
+
+#include "bake_gpu/layout.h"
+
+HL_NAMESPACE_BEGIN
+
+// [DeviceGather::Texel, Point, Block]
+struct GpuTexel {
+    uint id;
+    uint firstPoint;
+    uint pointCount;
+    uint guide; // kNone: none
+    uint sources;
+};
+struct GpuPoint {
+    vec3 position;
+    vec3 normal;
+    vec3 geometricNormal;
+};
+struct GpuBlock {
+    uint texel;
+    uint number;
+};
+// [DeviceGather::Half, Sums, Open]
+struct GpuHalf {
+    vec3 irradiance;
+    vec3 moment;
+};
+struct GpuSums {
+    GpuHalf halves[2];
+    float inverseSquares;
+};
+struct GpuOpen {
+    uint block;
+    uint stratum; // and kReflectionIsIn
+    uint face;
+    vec2 barycentric;
+    float distance;
+    vec3 direction;
+};
+HL_CONST uint kReflectionIsIn = 0x80000000u;
+
+// [PatchLayout::Surface, PatchRadiance]
+struct GpuSurface {
+    vec2 origin;
+    vec2 edgeU;
+    vec2 edgeV;
+    uint patches; // first one, kHasPatches, kEmissive
+    uint size;    // width, height: 16 bits each
+};
+HL_CONST uint kFirstPatchBits = 0x1fffffffu;
+HL_CONST uint kHasPatches = 0x20000000u;
+HL_CONST uint kEmissive = 0x40000000u;
+struct GpuPatch {
+    vec3 radiance;
+    float minDistance;
+    vec3 tilt;
+};
+// Of PatchLayout::Elements.
+HL_CONST uint kFirstElementBits = 0x3fffffffu;
+HL_CONST uint kHalfTexelElements = 0x40000000u;
+HL_CONST uint kSplit = 0x80000000u;
+
+// [Guide, Guides::Entry, LightClusters::Cluster, SourceTriangle, AliasBin, Member]
+struct GpuGuide {
+    uint localFirst;
+    uint localCount;
+    uint sharedFirst;
+    uint sharedCount;
+    float relativeVariance;
+};
+struct GpuEntry {
+    uint cluster;
+    float probability;
+};
+struct GpuCluster {
+    uint firstTriangle;
+    uint triangleCount;
+};
+struct GpuSourceTriangle {
+    uint face;
+    uint patchId;
+    vec2 corners[3]; // barycentric
+    vec3 origin;
+    vec3 edge1;
+    vec3 edge2;
+    vec3 normal;
+    float pdfArea; // given the cluster
+};
+struct GpuAliasBin {
+    float share;
+    uint aliasOffset;
+};
+struct GpuMember {
+    uint cluster;
+    float pdfArea;
+};
+
+HL_CONST uint kSky = 1u;        // not black
+HL_CONST uint kSkyPicture = 2u; // a picture, not a gradient
+// Numbers that all rays of a map share.
+struct GpuGatherConstants {
+    uint seed;
+    uint sourceSeed;
+    uint chartPatches; // PatchLayout::chartPatches
+    int patchShift;
+    uint memberCount;
+    uint sky;
+    vec3 zenith; // or 1 / limit in x, for a picture
+    vec3 horizon;
+    vec3 ground;
+    ivec2 pictureSize;
+    vec2 turn;
+    float limit;
+};
+
+HL_NAMESPACE_END
+
+#endif

@@ -1,0 +1,81 @@
+// A GPU that fails at any moment of a bake: the processor bakes instead, and its bytes are those of a bake without a
+// GPU (spec S6).
+
+#include "bake/same_bakes.h"
+#include "bake/test_room.h"
+#include "bake_gpu/test_device.h"
+
+#include "halflight/bake/bake.h"
+
+#include <algorithm>
+#include <atomic>
+
+namespace halflight::test::faults_test {
+namespace {
+
+BakeSettings tinySettings()
+{
+    BakeSettings settings;
+    settings.samples = 16;
+    settings.shadowSamples = 8;
+    settings.lightmapSize = 64;
+    settings.bounces = 2;
+    settings.probeSpacingMeters = 2.0f;
+    settings.reflectionProbes = false;
+    settings.probeLayout = ProbeLayout::Grid;
+    return settings;
+}
+
+struct GpuFaults : testing::Test {
+    /// A device that fails at the n-th time that it could; never for 0.
+    Result<std::shared_ptr<BakeDevice>> deviceFailingAt(int number)
+    {
+        calls = 0;
+        const auto fails = [this, number] { return ++calls == number; };
+        return openBakeDevice({.name = "lavapipe", .fails = fails});
+    }
+    std::atomic<int> calls = 0;
+};
+
+TEST_F(GpuFaults, TheProcessorBakesInsteadS6)
+{
+    const Scene scene = room(false, true, true);
+    auto device = deviceFailingAt(0);
+    if (!device) GTEST_SKIP() << device.error().message;
+    const int opened = calls;
+    const Result<BakeResult> whole = bake(scene, tinySettings(), gpuIntegrators(*device));
+    ASSERT_TRUE(whole) << whole.error().text();
+    EXPECT_TRUE(whole->report.identity.starts_with("gpu-")) << whole->report.identity;
+    EXPECT_NE(whole->report.integrator.find("gpu"), std::string::npos) << whole->report.integrator;
+    const int all = calls - opened;
+    ASSERT_GT(all, 20);
+    const Result<BakeResult> cpu = bake(scene, tinySettings(), embreeIntegrators());
+    ASSERT_TRUE(cpu);
+    constexpr int kMoments = 8;
+    for (int moment = 0; moment <= kMoments; ++moment) {
+        device = deviceFailingAt(opened + 1 + moment * (all - 1) / kMoments);
+        ASSERT_TRUE(device) << device.error().message;
+        const Result<BakeResult> result = bake(scene, tinySettings(), gpuIntegrators(*device));
+        ASSERT_TRUE(result) << result.error().text();
+        EXPECT_EQ(result->report.identity, cpu->report.identity) << moment;
+        const auto& warnings = result->report.warnings;
+        EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& w) {
+            return w.starts_with("the GPU failed");
+        })) << moment;
+        expectSameBakes(result->baked, cpu->baked);
+    }
+}
+
+/// A device that cannot be opened is an error: nothing was baked yet.
+TEST_F(GpuFaults, DevicesThatFailAtOnceAreAnError)
+{
+    auto device = deviceFailingAt(1);
+    ASSERT_FALSE(device);
+    EXPECT_EQ(device.error().code, ErrorCode::DeviceFailed);
+    device = openBakeDevice({.name = "no such device"});
+    ASSERT_FALSE(device);
+    EXPECT_NE(device.error().message.find("has another name"), std::string::npos) << device.error().message;
+}
+
+} // namespace
+} // namespace halflight::test::faults_test

@@ -1,0 +1,128 @@
+// The final gather on a device gives the light that it gives on the processor (spec S6).
+
+#include "bake/seeds.h"
+#include "bake/test_room.h"
+#include "bake_gpu/test_device.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight::test::gather_test {
+namespace {
+
+using GatherS6 = BakeDeviceTest;
+
+IntegrationSettings settingsOf(uint32_t seed)
+{
+    IntegrationSettings settings;
+    settings.samples = 48;
+    settings.bounces = 4;
+    settings.seed = seed;
+    settings.cache.texelStep = 1;
+    return settings;
+}
+
+std::vector<IrradianceEstimate> bakeOn(const IntegratorFactory& factory, const Scene& scene, uint32_t seed)
+{
+    Bench bench(scene, MixedLightingMode::Shadowmask, 64, settingsOf(seed), 1, factory);
+    return bench.irradiance();
+}
+
+/// Scenes without emitters take the same samples on both: but for rounding, and rays that hit another triangle by it,
+/// texels are the same.
+TEST_F(GatherS6, TexelsAreTheProcessors)
+{
+    for (const bool sky : {true, false}) {
+        const Scene scene = room(false, true, sky);
+        const auto cpu = bakeOn(embreeIntegrators(), scene, 1);
+        const auto gpu = bakeOn(gpuIntegrators(device), scene, 1);
+        ASSERT_EQ(cpu.size(), gpu.size());
+        double mean = 0.0;
+        double difference = 0.0;
+        std::size_t other = 0;
+        for (std::size_t i = 0; i < cpu.size(); ++i) {
+            ASSERT_EQ(cpu[i].valid, gpu[i].valid);
+            const double a = double(luminance(cpu[i].irradiance));
+            const double b = double(luminance(gpu[i].irradiance));
+            mean += a / double(cpu.size());
+            difference += (b - a) / double(cpu.size());
+            other += std::abs(a - b) > 1.0e-3 * (a + 1.0e-3) || cpu[i].samples != gpu[i].samples ||
+                     glm::distance(cpu[i].moment, gpu[i].moment) > 2.0e-3f * float(a + 1.0e-3);
+        }
+        EXPECT_GT(mean, 0.1);
+        EXPECT_LT(std::abs(difference), 1.0e-3 * mean) << "sky " << sky;
+        EXPECT_LT(other, cpu.size() / 20) << "sky " << sky;
+    }
+}
+
+/// With a lamp: the processor samples it after the gather, and finishes rays that hit it.
+TEST_F(GatherS6, EmittersShineAsOnTheProcessor)
+{
+    const Scene scene = room(true, false, true);
+    const auto cpu = bakeOn(embreeIntegrators(), scene, 1);
+    const auto gpu = bakeOn(gpuIntegrators(device), scene, 1);
+    ASSERT_EQ(cpu.size(), gpu.size());
+    double mean = 0.0;
+    double difference = 0.0;
+    double variance = 0.0;
+    for (std::size_t i = 0; i < cpu.size(); ++i) {
+        mean += double(luminance(cpu[i].irradiance));
+        difference += double(luminance(gpu[i].irradiance) - luminance(cpu[i].irradiance));
+        variance += double(cpu[i].varianceOfMean + gpu[i].varianceOfMean);
+    }
+    EXPECT_GT(mean, 0.1);
+    EXPECT_LT(std::abs(difference), 4.0 * std::sqrt(variance));
+    EXPECT_LT(std::abs(difference), 0.005 * mean);
+}
+
+/// Sixteen bakes on each, of other seeds: blocks of 64 neighbouring texels have the same mean light, by Student's t.
+TEST_F(GatherS6, BlocksOfTexelsHaveTheSameMeanOverSeeds)
+{
+    constexpr int kSeedsOfEach = 16;
+    constexpr std::size_t kBlock = 64; // texels are sorted by Morton code
+    for (const bool lamp : {false, true}) {
+        const Scene scene = room(lamp, !lamp, true);
+        std::vector<std::vector<double>> differences;
+        double mean = 0.0;
+        double difference = 0.0;
+        for (uint32_t seed = 1; seed <= kSeedsOfEach; ++seed) {
+            const auto cpu = bakeOn(embreeIntegrators(), scene, seed);
+            const auto gpu = bakeOn(gpuIntegrators(device), scene, seed + 1000);
+            differences.resize(cpu.size() / kBlock);
+            for (std::size_t b = 0; b < differences.size(); ++b) {
+                double sum = 0.0;
+                for (std::size_t i = b * kBlock; i < (b + 1) * kBlock; ++i) {
+                    sum += double(luminance(gpu[i].irradiance) - luminance(cpu[i].irradiance));
+                    mean += double(luminance(cpu[i].irradiance));
+                }
+                differences[b].push_back(sum);
+                difference += sum;
+            }
+        }
+        EXPECT_LT(std::abs(difference), 0.002 * mean) << "lamp " << lamp;
+        for (const std::vector<double>& block : differences) {
+            const SeedMean d = meanOf(block);
+            // Black blocks differ by nothing.
+            EXPECT_LE(std::abs(d.mean), 5.0 * d.error + 1.0e-6) << "lamp " << lamp;
+        }
+    }
+}
+
+/// The same bits, whether one asks for all texels or for some.
+TEST_F(GatherS6, TexelsDoNotDependOnTheRequest)
+{
+    const Scene scene = room(false, true, true);
+    const auto all = bakeOn(gpuIntegrators(device), scene, 3);
+    Bench bench(scene, MixedLightingMode::Shadowmask, 64, settingsOf(3), 1, gpuIntegrators(device));
+    std::vector<uint32_t> some;
+    for (uint32_t i = 5; i < all.size(); i += 7) some.push_back(i);
+    std::vector<IrradianceEstimate> estimates(some.size());
+    ASSERT_TRUE(bench.irradiance({some}, estimates));
+    for (std::size_t i = 0; i < some.size(); ++i) {
+        EXPECT_EQ(estimates[i].irradiance, all[some[i]].irradiance);
+        EXPECT_EQ(estimates[i].moment, all[some[i]].moment);
+    }
+}
+
+} // namespace
+} // namespace halflight::test::gather_test
