@@ -19,13 +19,26 @@ constexpr double kMostColumns = 8.0 * double(kMostProbes);
 constexpr std::size_t kAtOnce = 1 << 17;
 
 /// Light over that of another corner below which linear interpolation between both may be wrong: where light falls by
-/// this share over a cell, it is off by 10 % in the middle.
+/// this share over a cell, it may be off by 10 % in the middle.
 constexpr float kSteep = (1.0f - kDisagrees) * (1.0f - kDisagrees);
+
+/// Error of interpolated light, over the larger of both, from which on a steep cell is halved.
+constexpr float kOff = 0.15f;
+/// Shortest sides of cells that are halved where light changes, over the smallest room in them. Objects that move in a
+/// room average finer changes.
+constexpr float kRoomShare = 0.125f;
 
 /// Over all directions, lux.
 float meanIrradiance(const SphericalHarmonicsL2& radiance)
 {
     return luminance(radiance[0]) * shading::shIrradianceWeight(0, vec3(0, 1, 0));
+}
+
+/// Of a corner of a cell of the given sides, at a place in it or beside it; never 0.
+float trilinearWeight(vec3 place, vec3 corner, vec3 sides)
+{
+    const vec3 share = glm::max(1.0f - glm::abs(place - corner) / sides, vec3(0.01f));
+    return share.x * share.y * share.z;
 }
 
 /// Room around a place without which no object fits in, over its reach.
@@ -44,7 +57,7 @@ struct Ray {
 void addPlaces(const Ray& ray, int axis, float length, bool endsAtSurface, float reachMeters,
                std::vector<Place>& places)
 {
-    if (length < 2.0f * clearance(reachMeters)) return;
+    if (length < reachMeters) return;
     const float off = std::min(reachMeters, 0.5f * length);
     const auto add = [&](float along) {
         Place place{ray.from, ray.leavesSurface && endsAtSurface ? length : kInfinity};
@@ -107,6 +120,11 @@ Result<std::vector<Place>> placesBesideSurfaces(const Bounds& box, float reachMe
     return places;
 }
 
+bool isUnlit(const Place& place, const SphericalHarmonicsL2& radiance, float dark)
+{
+    return place.roomMeters == kInfinity && meanIrradiance(radiance) < dark;
+}
+
 std::vector<RoomCell> RoomSearch::gridCells() const
 {
     std::vector<RoomCell> rooms;
@@ -147,19 +165,26 @@ Result<std::vector<RoomSearch::Sight>> RoomSearch::sightOf(std::span<const RoomC
         for (std::size_t i = begin; i < end; ++i) {
             Sight& sight = sights[i];
             std::size_t fewest = sight.corners.size();
+            const vec3 sizes = tree_.sidesOf(cells[i].cell);
             for (const uint32_t place : cells[i].places) {
                 std::size_t count = 0;
                 float least = kInfinity;
                 float largest = 0.0f;
+                vec2 sum(0.0f); // of weighted light, and of weights
                 for (const uint32_t corner : sight.corners) {
                     if ((*surfaces)[at++]) continue;
                     const float light = std::max(meanIrradiance(probes[corner].radiance), dark);
                     least = std::min(least, light);
                     largest = std::max(largest, light);
+                    sum += trilinearWeight(places_[place].position, probes[corner].position, sizes) * vec2(light, 1.0f);
                     ++count;
                 }
-                if (count == 1) sight.evenness = 0.0f; // a single corner says nothing of how light changes
-                if (count > 1 && largest > 0.0f) sight.evenness = std::min(sight.evenness, least / largest);
+                if (count == 1) sight.isLonely = true;
+                if (count > 1 && least < sight.evenness * largest) {
+                    sight.evenness = least / largest;
+                    sight.steepest = place;
+                    sight.interpolated = sum.x / sum.y;
+                }
                 if (count == 0) sight.unseen.push_back(place);
                 if (count == 0 || count >= fewest) continue;
                 fewest = count;
@@ -212,8 +237,8 @@ Status RoomSearch::trace(std::span<const uint32_t> places, int paths, std::vecto
     return integrator_.probes(positions, allIndices(positions.size()), paths, out, Progress{{}, progress.cancel});
 }
 
-/// Places in gaps that are too narrow count as inside.
-Status RoomSearch::findOutside(std::vector<uint32_t> places, const Progress& progress)
+/// Places in gaps that are too narrow count as inside, and so do unlit ones.
+Status RoomSearch::findOutside(std::vector<uint32_t> places, float dark, const Progress& progress)
 {
     const Result<std::vector<uint8_t>> clear = clearOf(places);
     if (!clear) return clear.error();
@@ -224,8 +249,60 @@ Status RoomSearch::findOutside(std::vector<uint32_t> places, const Progress& pro
     }
     std::vector<ProbeEstimate> tests;
     if (Status s = trace(open, kTestPaths, tests, progress); !s) return s;
-    for (std::size_t i = 0; i < open.size(); ++i)
-        if (tests[i].valid) known_[open[i]] = kOutside;
+    std::vector<uint32_t> dim;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        if (!tests[i].valid) continue;
+        known_[open[i]] = kOutside;
+        if (isUnlit(places_[open[i]], tests[i].radiance, dark)) dim.push_back(open[i]);
+    }
+    if (Status s = trace(dim, 4 * kTestPaths, tests, progress); !s) return s; // few paths may miss light
+    for (std::size_t i = 0; i < dim.size(); ++i)
+        if (isUnlit(places_[dim[i]], tests[i].radiance, dark)) known_[dim[i]] = kInside;
+    return {};
+}
+
+/// In the open it is kFinestMeters.
+float RoomSearch::finestOf(const RoomCell& cell) const
+{
+    float room = kInfinity;
+    for (const uint32_t i : cell.places)
+        if (known_[i] != kInside) room = std::min(room, places_[i].roomMeters);
+    return room < kInfinity ? std::max(kFinestMeters, kRoomShare * room) : kFinestMeters;
+}
+
+/// Distance of a place from the cell, along the axis where it is largest.
+float RoomSearch::beyondMeters(const ProbeTree::Cell& cell, uint32_t i) const
+{
+    const vec3 low = tree_.positionOf(cell.low);
+    const vec3 high = tree_.positionOf(cell.low + cell.size);
+    const vec3 off = glm::abs(place(i) - glm::clamp(place(i), low, high));
+    return std::max({off.x, off.y, off.z});
+}
+
+/// Cells whose corners see a place in very different light: halved where their interpolation is wrong there. No half of
+/// a cell at the rim of the grid has corners at places beyond it; one of these gets a probe.
+Status RoomSearch::checkSteep(std::span<const RoomCell> cells, std::span<const Sight> sights, float dark,
+                              std::vector<Verdict>& verdicts, const Progress& progress) const
+{
+    std::vector<std::size_t> steep;
+    std::vector<uint32_t> places;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (verdicts[i].halve || verdicts[i].unseen || sights[i].evenness >= kSteep) continue;
+        const float beyond = beyondMeters(cells[i].cell, *sights[i].steepest);
+        if (beyond > 0.0f) verdicts[i].unseen = sights[i].steepest;
+        if (!tree_.canHalve(cells[i].cell, std::max(finestOf(cells[i]), beyond))) continue;
+        steep.push_back(i);
+        places.push_back(*sights[i].steepest);
+    }
+    std::vector<ProbeEstimate> tests;
+    if (Status s = trace(places, 0, tests, progress); !s) return s;
+    for (std::size_t k = 0; k < steep.size(); ++k) {
+        const float here = std::max(meanIrradiance(tests[k].radiance), dark);
+        const float there = sights[steep[k]].interpolated;
+        const float noise = std::sqrt(tests[k].variance) * shading::shIrradianceWeight(0, vec3(0, 1, 0));
+        const float off = std::abs(here - there) - noise;
+        verdicts[steep[k]].halve = tests[k].valid && off > kOff * std::max(here, there);
+    }
     return {};
 }
 
@@ -237,7 +314,9 @@ Status RoomSearch::compareLight(std::span<const RoomCell> cells, std::span<const
     std::vector<std::size_t> even;
     std::vector<uint32_t> places;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        if (verdicts[i].halve || !sights[i].hidden || !tree_.canHalve(cells[i].cell, 2.0f * kFinestMeters)) continue;
+        if (verdicts[i].halve || !sights[i].hidden ||
+            !tree_.canHalve(cells[i].cell, std::max(2.0f * kFinestMeters, finestOf(cells[i]))))
+            continue;
         std::vector<const Probe*> corners;
         for (const uint32_t corner : sights[i].corners) corners.push_back(&probes[corner]);
         verdicts[i].halve = disagreement(corners, dark) >= 1.0f;
@@ -276,17 +355,19 @@ Result<std::vector<RoomSearch::Verdict>> RoomSearch::judge(std::span<const RoomC
     for (const Sight& sight : sights)
         for (const uint32_t place : sight.unseen)
             if (known_[place] == kUnknown) unknown.push_back(place);
-    if (Status s = findOutside(std::move(unknown), progress); !s) return s.error();
+    if (Status s = findOutside(std::move(unknown), dark, progress); !s) return s.error();
     std::vector<Verdict> verdicts(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) {
         for (const uint32_t place : sights[i].unseen)
             if (known_[place] == kOutside && !verdicts[i].unseen) verdicts[i].unseen = place;
+        bool halve = verdicts[i].unseen || sights[i].isLonely;
         verdicts[i].error = verdicts[i].unseen ? 1.0f : 1.0f - sights[i].evenness;
-        bool halve = verdicts[i].unseen || sights[i].evenness < kSteep;
         for (const uint32_t place : cells[i].places)
-            halve |= tree_.canHalve(cells[i].cell, std::max(places_[place].roomMeters, 2.0f * kFinestMeters));
+            halve |= known_[place] != kInside &&
+                     tree_.canHalve(cells[i].cell, std::max(places_[place].roomMeters, 2.0f * kFinestMeters));
         verdicts[i].halve = halve && tree_.canHalve(cells[i].cell, kFinestMeters);
     }
+    if (Status s = checkSteep(cells, sights, dark, verdicts, progress); !s) return s.error();
     if (Status s = compareLight(cells, sights, probes, dark, verdicts, progress); !s) return s.error();
     return verdicts;
 }

@@ -25,11 +25,11 @@ constexpr std::size_t kNewPointsOfCell = 19;       ///< of its 27, all but the c
 constexpr float kNoisy = 0.15f;
 
 /// Places of check probes, spread over a list: one to 32 probes, up to 250.
-std::vector<vec3> spreadOver(const std::vector<vec3>& places, std::size_t probeCount)
+std::vector<Place> spreadOver(const std::vector<Place>& places, std::size_t probeCount)
 {
     const std::size_t most = std::min(kMostProbes / 80, probeCount / 32);
     if (places.size() <= most) return places;
-    std::vector<vec3> some;
+    std::vector<Place> some;
     for (std::size_t i = 0; i < most; ++i) some.push_back(places[i * places.size() / most]);
     return some;
 }
@@ -46,7 +46,7 @@ public:
     std::vector<float> variances; ///< by probe: of the luminance of a coefficient, mean over the nine
     std::vector<vec3> sides;      ///< by probe: of the cell that it was placed by, metres
     std::vector<ProbeLink> links;
-    std::vector<vec3> checked; ///< a place beside a surface in each cell that has one
+    std::vector<Place> checked; ///< a place beside a surface in each cell that has one
 
     [[nodiscard]] std::size_t validCount() const
     {
@@ -84,8 +84,8 @@ public:
         AddedProbes lonely;
         const auto close = [&](const RoomCell& room, std::optional<uint32_t> unseen) {
             leaves.push_back(room.cell);
-            if (!room.places.empty()) checked.push_back(search.place(room.places.front()));
-            if (unseen) lonely.add(search.place(*unseen), room.cell.sides);
+            if (!room.places.empty()) checked.push_back(search.at(room.places.front()));
+            if (unseen) lonely.add(search.at(*unseen).position, room.cell.sides);
         };
         std::vector<RoomCell> rooms = search.gridCells();
         while (!rooms.empty()) {
@@ -231,6 +231,14 @@ private:
     int batches_ = 0;
 };
 
+/// Checks in places that do not count.
+void leaveOutUnlit(const std::vector<Place>& checked, BakedProbes& probes)
+{
+    const float dark = darkIrradiance(probes.set.probes).value_or(0.0f);
+    for (std::size_t i = 0; i < checked.size(); ++i)
+        if (isUnlit(checked[i], probes.checks[i].radiance, dark)) probes.checks[i].valid = false;
+}
+
 /// Removes probes inside geometry, and all but the first of probes at one place.
 void removeSuperfluous(std::vector<Probe>& probes, float cellMeters)
 {
@@ -269,19 +277,19 @@ Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLay
         if (!found) return found.error();
         places = std::move(*found);
     }
-    std::vector<vec3> checked;
-    for (const Place& place : places) checked.push_back(place.position);
-    const auto finish = [&](std::vector<Probe> probes, const std::vector<vec3>& between) -> Result<BakedProbes> {
+    const auto finish = [&](std::vector<Probe> probes, const std::vector<Place>& between) -> Result<BakedProbes> {
         set.probes = std::move(probes);
-        result.checkedAt = spreadOver(between, set.probes.size());
+        const std::vector<Place> checked = spreadOver(between, set.probes.size());
+        for (const Place& place : checked) result.checkedAt.push_back(place.position);
         if (Status s = bake.trace(result.checkedAt, result.checks); !s) return s.error();
+        leaveOutUnlit(checked, result);
         return std::move(result);
     };
     if (!scene.probePositions.empty()) {
         // Positions of the author: all are kept, in their order.
         if (Status s = bake.add(scene.probePositions, vec3(0.0f)); !s) return s.error();
         set = {};
-        return finish(std::move(bake.probes), checked);
+        return finish(std::move(bake.probes), places);
     }
     if (set.probes.empty()) return result;
     std::vector<vec3> positions;
@@ -296,7 +304,7 @@ Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLay
         }
         set.probes = std::move(bake.probes);
         fillInvalidProbes(set);
-        return finish(std::move(set.probes), checked);
+        return finish(std::move(set.probes), places);
     }
     // Each step leaves some of the probes to those after it.
     const std::size_t gridCount = positions.size();

@@ -26,7 +26,7 @@ Result<ProbeSight> findProbeSight(const ProbeSet& set, const Integrator& integra
 struct BakedProbes {
     ProbeSet set;
     std::vector<vec3> checkedAt;       ///< places beside surfaces, metres
-    std::vector<ProbeEstimate> checks; ///< by place; some are inside geometry
+    std::vector<ProbeEstimate> checks; ///< by place; those inside geometry and unlit ones are invalid
 };
 /// The probes (spec S14): those at the scene's own positions, with invalid ones marked; or, without positions, a grid
 /// as `layout` says.

@@ -73,6 +73,7 @@ struct BakedWorld {
     std::vector<std::string> warnings;
     BakedScene baked;
     ProbeCheck check;
+    std::vector<vec3> checkedAt; ///< outside geometry
 
     explicit BakedWorld(Scene scene, float spacing = 0.0f)
         : bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings())
@@ -83,6 +84,8 @@ struct BakedWorld {
         baked.probes = std::move(probes.set);
         baked.probes.sight = *findProbeSight(baked.probes, *bench.integrator, {});
         check = checkProbes(baked, probes, warnings);
+        for (std::size_t i = 0; i < probes.checks.size(); ++i)
+            if (probes.checks[i].valid) checkedAt.push_back(probes.checkedAt[i]);
     }
     static IntegrationSettings settings()
     {
@@ -221,6 +224,55 @@ TEST(ProbeWorldsS14, EvenLightIsNowhereOff)
     EXPECT_TRUE(baked.warnings.empty());
     EXPECT_GT(baked.check.places, 5);
     EXPECT_LT(baked.check.mostError, 0.1f);
+}
+
+/// A Cornell box of 550 m under no sky, open in front. Its -X wall leans out by 6 m, so that the box around the scene
+/// holds a wedge of darkness behind it, and its panel hangs 0.9 m under the ceiling.
+Scene hall()
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.4f));
+    scene.materials[std::size_t(grey)].doubleSided = true;
+    const auto sheet = [&](vec3 corner, vec3 u, vec3 v, int material) {
+        addRectangle(scene, {corner, u, v}, material, kPage, {vec2(1), vec2(4)});
+    };
+    const vec3 along(0, 0, 560);
+    sheet({0, 0, 0}, along, {550, 0, 0}, grey);        // floor
+    sheet({-6, 550, 0}, {556, 0, 0}, along, grey);     // ceiling
+    sheet({-6, 0, 0}, {556, 0, 0}, {0, 550, 0}, grey); // back
+    sheet({0, 0, 560}, -along, {-6, 550, 0}, grey);    // the leaning wall
+    sheet({550, 0, 0}, along, {0, 550, 0}, grey);      // +X wall
+    const int lamp = addMaterial(scene, vec3(0.8f));
+    scene.materials[std::size_t(lamp)].emissiveNits = vec3(100.0f);
+    scene.materials[std::size_t(lamp)].doubleSided = true;
+    sheet({210, 549.1f, 230}, {130, 0, 0}, {0, 0, 105}, lamp);
+    addBox(scene, {100, 0, 120}, {265, 330, 290}, grey, false);
+    addBox(scene, {320, 0, 310}, {480, 165, 470}, grey, false);
+    scene.sky = {vec3(0), vec3(0), vec3(0)};
+    return scene;
+}
+
+/// Nobody sees the wedge: it gets no probes of its own, and no warning. What else light needs follows the room, which
+/// is 200 times as long as the finest cells. Balls in the room are right.
+TEST(ProbeWorldsS14, DarknessAroundARoomNeedsNoProbes)
+{
+    const BakedWorld baked(hall());
+    EXPECT_LT(baked.baked.probes.probes.size(), 6000u);
+    EXPECT_GT(baked.checkedAt.size(), 50u);
+    const auto isBehindWall = [](vec3 p) { return p.x < -6.0f * p.y / 550.0f; };
+    for (const vec3 place : baked.checkedAt) EXPECT_FALSE(isBehindWall(place)) << place.x << ' ' << place.y;
+    for (const Probe& probe : baked.baked.probes.probes) EXPECT_FALSE(isBehindWall(probe.position));
+    EXPECT_LT(double(baked.check.off), 0.15 * double(baked.check.places));
+    std::vector<vec3> balls;
+    for (int i = 0; i < 27; ++i) balls.emplace_back(30 + 245 * (i % 3), 60 + 190 * (i / 3 % 3), 60 + 220 * (i / 9));
+    std::erase_if(balls, [](vec3 p) { return p.y < 330 && p.x > 100 && p.x < 480 && p.z > 120 && p.z < 470; });
+    // In shade, what an eye sees that is used to the room: a share of its median light.
+    const std::vector<double> right = baked.truth(balls);
+    const std::vector<double> found = baked.found(balls);
+    std::vector<double> sorted = right;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t i = 0; i < balls.size(); ++i)
+        EXPECT_NEAR(found[i], right[i], 0.25 * std::max(right[i], sorted[sorted.size() / 2])) << balls[i].x;
 }
 
 /// Cells as a reader of the file has them: corners at the positions in floats.
