@@ -213,27 +213,64 @@ AtBake::AtBake(const Scene& scene) : scene_(scene)
     hasColors_ = std::none_of(list.begin(), list.end(), [](const auto* item) { return item->second.empty(); });
 }
 
-vec4 AtBake::sample(const TextureRef& ref, const MeshPart& part, std::size_t triangle, vec3 weights) const
+/// A texture's small copy as a part's material reads it.
+struct AtBake::Reader {
+    const Image<vec4>* small = nullptr; ///< none: white
+    Texture::Wrap wrapU{};
+    Texture::Wrap wrapV{};
+    const std::vector<vec2>* uvs = nullptr;
+    TextureRef ref;
+    vec2 turn{1.0f, 0.0f}; ///< cosine and sine of the rotation
+
+    [[nodiscard]] vec4 at(const uint32_t* corners, vec3 weights) const
+    {
+        if (small == nullptr) return vec4(1.0f);
+        vec2 uv(0.0f);
+        for (int k = 0; k < 3 && !uvs->empty(); ++k) uv += weights[k] * (*uvs)[corners[k]];
+        const vec2 scaled = ref.scale * uv;
+        uv = ref.offset + vec2(turn.x * scaled.x + turn.y * scaled.y, turn.x * scaled.y - turn.y * scaled.x);
+        return (*small)(wrapped(uv.x, small->width(), wrapU), wrapped(uv.y, small->height(), wrapV));
+    }
+};
+
+/// What all points of a part have in common.
+struct AtBake::Look {
+    const Material& material;
+    vec4 color{1.0f};
+    vec3 emission{0.0f};
+    Reader baseColor;
+    Reader emissive;
+    Reader metallicRoughness;
+    Reader transmission;
+};
+
+AtBake::Reader AtBake::readerOf(const TextureRef& ref, const MeshPart& part) const
 {
-    if (!ref) return vec4(1.0f);
-    const Image<vec4>& small = small_.at(ref.texture);
-    const std::vector<vec2>& uvs = part.uv[std::size_t(ref.texCoord)];
-    vec2 uv(0.0f);
-    for (int k = 0; k < 3 && !uvs.empty(); ++k) uv += weights[k] * uvs[part.indices[3 * triangle + std::size_t(k)]];
-    const vec2 scaled = ref.scale * uv;
-    const float c = math::cos(ref.rotationRadians);
-    const float s = math::sin(ref.rotationRadians);
-    uv = ref.offset + vec2(c * scaled.x + s * scaled.y, c * scaled.y - s * scaled.x);
+    if (!ref) return {};
     const Texture& texture = scene_.textures[std::size_t(ref.texture)];
-    return small(wrapped(uv.x, small.width(), texture.wrapU), wrapped(uv.y, small.height(), texture.wrapV));
+    const vec2 turn(math::cos(ref.rotationRadians), math::sin(ref.rotationRadians));
+    return {&small_.at(ref.texture), texture.wrapU, texture.wrapV, &part.uv[std::size_t(ref.texCoord)], ref, turn};
 }
 
-void AtBake::addTriangle(const MeshPart& part, const Material& material, std::size_t triangle, const Object& object,
+AtBake::Look AtBake::lookOf(const MeshPart& part) const
+{
+    const Material& m = materialOf(scene_, part);
+    return {m,
+            vec4(encoded(vec3(m.baseColor)), m.baseColor.w),
+            encoded(m.emissiveNits),
+            readerOf(m.baseColorTexture, part),
+            readerOf(m.emissiveTexture, part),
+            readerOf(m.metallicRoughnessTexture, part),
+            readerOf(m.transmissionTexture, part)};
+}
+
+void AtBake::addTriangle(const MeshPart& part, const Look& look, std::size_t triangle, const Object& object,
                          int samples, Sums& sums) const
 {
+    const uint32_t* corners = &part.indices[3 * triangle];
     std::array<glm::dvec3, 3> p;
     for (std::size_t k = 0; k < 3; ++k) {
-        const vec3 world(object.worldFromObject * vec4(part.positions[part.indices[3 * triangle + k]], 1.0f));
+        const vec3 world(object.worldFromObject * vec4(part.positions[corners[k]], 1.0f));
         sums.bounds.extend(world);
         p[k] = glm::dvec3(world);
     }
@@ -247,20 +284,17 @@ void AtBake::addTriangle(const MeshPart& part, const Material& material, std::si
     for (int i = 0; i < 3 * samples; ++i) {
         const vec3 point = pointInTriangle(i / 3);
         const vec3 weights(point[i % 3], point[(i + 1) % 3], point[(i + 2) % 3]);
-        vec4 color = vec4(encoded(vec3(material.baseColor)), material.baseColor.w) *
-                     sample(material.baseColorTexture, part, triangle, weights);
+        vec4 color = look.color * look.baseColor.at(corners, weights);
         vec4 ofVertices(0.0f);
-        for (int k = 0; k < 3 && !part.colors.empty(); ++k)
-            ofVertices += weights[k] * part.colors[part.indices[3 * triangle + std::size_t(k)]];
+        for (int k = 0; k < 3 && !part.colors.empty(); ++k) ofVertices += weights[k] * part.colors[corners[k]];
         if (!part.colors.empty()) color *= vec4(encoded(vec3(ofVertices)), ofVertices.w);
-        const vec3 emission =
-            encoded(material.emissiveNits) * vec3(sample(material.emissiveTexture, part, triangle, weights));
         const double share = area / (3.0 * samples);
-        const float metallic = material.metallic * sample(material.metallicRoughnessTexture, part, triangle, weights).z;
-        const float opacity =
-            material.coverage(color.w, metallic, sample(material.transmissionTexture, part, triangle, weights).x);
+        if (look.emission != vec3(0.0f))
+            sums.emission += share * glm::dvec3(look.emission * vec3(look.emissive.at(corners, weights)));
+        float metallic = look.material.metallic;
+        if (metallic != 0.0f) metallic *= look.metallicRoughness.at(corners, weights).z;
+        const float opacity = look.material.coverage(color.w, metallic, look.transmission.at(corners, weights).x);
         sums.color += share * double(opacity) * glm::dvec3(color);
-        sums.emission += share * glm::dvec3(emission);
         sums.opacity += share * double(opacity);
         sums.metallic += share * double(metallic);
     }
@@ -268,12 +302,13 @@ void AtBake::addTriangle(const MeshPart& part, const Material& material, std::si
 
 void AtBake::add(const Object& object, const MeshPart& part, Sums& sums) const
 {
-    const Material& material = materialOf(scene_, part);
+    const Look look = lookOf(part);
+    const Material& material = look.material;
     const std::size_t triangles = part.triangleCount();
     const int samples = int(
         std::clamp<std::size_t>(kSamplesOfPart / std::max<std::size_t>(triangles, 1), kFewestSamples, kMostSamples));
     const double before = sums.area;
-    for (std::size_t t = 0; t < triangles; ++t) addTriangle(part, material, t, object, samples, sums);
+    for (std::size_t t = 0; t < triangles; ++t) addTriangle(part, look, t, object, samples, sums);
     sums.switches += (sums.area - before) * glm::dvec4(object.castShadows && material.castShadows,
                                                        object.receiveShadows && material.receiveShadows,
                                                        material.doubleSided, material.unlit);

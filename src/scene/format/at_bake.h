@@ -53,10 +53,13 @@ public:
 
 private:
     struct Sums;
+    struct Reader;
+    struct Look;
     void add(const Object& object, const MeshPart& part, Sums& sums) const;
-    void addTriangle(const MeshPart& part, const Material& material, std::size_t triangle, const Object& object,
-                     int samples, Sums& sums) const;
-    [[nodiscard]] vec4 sample(const TextureRef& ref, const MeshPart& part, std::size_t triangle, vec3 weights) const;
+    void addTriangle(const MeshPart& part, const Look& look, std::size_t triangle, const Object& object, int samples,
+                     Sums& sums) const;
+    [[nodiscard]] Reader readerOf(const TextureRef& ref, const MeshPart& part) const;
+    [[nodiscard]] Look lookOf(const MeshPart& part) const;
 
     const Scene& scene_;
     bool hasColors_ = true;
