@@ -78,13 +78,18 @@ struct Material {
     [[nodiscard]] bool isBlended() const { return alphaMode == AlphaMode::Blend || transmission > 0.0f; }
     /// Whether it stops all light everywhere.
     [[nodiscard]] bool isOpaque() const { return alphaMode == AlphaMode::Opaque && transmission <= 0.0f; }
+    /// Share of the surface that alpha leaves at a point.
+    [[nodiscard]] float presence(float alpha) const
+    {
+        if (alphaMode == AlphaMode::Mask) return alpha < alphaCutoff ? 0.0f : 1.0f;
+        return alphaMode == AlphaMode::Blend ? glm::clamp(alpha, 0.0f, 1.0f) : 1.0f;
+    }
     /// Share of light that it stops at a point: by the point's alpha, metallic and value of the transmission texture.
     /// shading::coverageOf() is the same.
     [[nodiscard]] float coverage(float alpha, float metallicThere, float transmissionTexel) const
     {
-        if (alphaMode == AlphaMode::Mask && alpha < alphaCutoff) return 0.0f;
-        const float there = alphaMode == AlphaMode::Blend ? glm::clamp(alpha, 0.0f, 1.0f) : 1.0f;
-        return there * (1.0f - kGlassTransmittance * transmission * transmissionTexel * (1.0f - metallicThere));
+        const float glass = kGlassTransmittance * transmission * transmissionTexel * (1.0f - metallicThere);
+        return presence(alpha) * (1.0f - glass);
     }
 
     /// Light that passes a point, by colour: of the glass the base colour, of what alpha leaves open as well where the
@@ -92,10 +97,9 @@ struct Material {
     /// coverage().
     [[nodiscard]] vec3 passed(vec4 color, float metallicThere, float transmissionTexel, vec3 behind) const
     {
-        if (alphaMode == AlphaMode::Mask && color.w < alphaCutoff) return vec3(1.0f);
-        const float there = alphaMode == AlphaMode::Blend ? glm::clamp(color.w, 0.0f, 1.0f) : 1.0f;
+        const float there = presence(color.w);
         const vec3 base = glm::clamp(vec3(color), 0.0f, 1.0f);
-        const vec3 open = (1.0f - there) * (tinted ? base : vec3(1.0f));
+        const vec3 open = (1.0f - there) * (tinted && alphaMode == AlphaMode::Blend ? base : vec3(1.0f));
         const float glass = there * kGlassTransmittance * transmission * transmissionTexel * (1.0f - metallicThere);
         return open + glass * base * behind;
     }
