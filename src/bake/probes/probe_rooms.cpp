@@ -26,7 +26,7 @@ constexpr float kSteep = (1.0f - kDisagrees) * (1.0f - kDisagrees);
 constexpr float kOff = 0.15f;
 /// Shortest sides of cells that are halved where light changes, over the smallest room in them. Objects that move in a
 /// room average finer changes.
-constexpr float kRoomShare = 0.125f;
+constexpr float kRoomShare = 0.0625f;
 
 /// Over all directions, lux.
 float meanIrradiance(const SphericalHarmonicsL2& radiance)
