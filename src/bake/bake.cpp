@@ -64,12 +64,14 @@ Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::un
 }
 
 Status denoiseStage(const BakeRun& run, const CachedIntegrator& cached, std::span<const SeamSample> seams,
-                    std::vector<IrradianceEstimate>& estimates)
+                    const DeviceDenoiser& device, std::vector<IrradianceEstimate>& estimates)
 {
     if (run.settings.denoiser == Denoiser::Off) return {};
     StageTimer timer(run.report(), "denoise");
     run.progress("denoise", 0.0);
-    denoise(cached.geometry, cached.map, seams, estimates, run.report().quality.directional);
+    const bool directional = run.report().quality.directional;
+    if (Status s = denoise(cached.geometry, cached.map, seams, estimates, directional, device); !s)
+        run.report().warnings.push_back("the processor denoises in the device's place: " + s.error().message);
     timer.finish();
     if (run.progress.cancelled()) return cancelledError();
     return {};
@@ -226,8 +228,9 @@ Status reflectionStage(const BakeRun& run, const CachedIntegrator& cached)
 class TraceStages {
 public:
     /// `began`: when the bake did, by secondsNow().
-    TraceStages(const BakeRun& run, const CachedIntegrator& cached, double began)
-        : run_(run), cached_(cached), began_(began), lightmap_(cached.prepare()), valid_(validTexels(cached.map))
+    TraceStages(const BakeRun& run, const CachedIntegrator& cached, const DeviceDenoiser& denoiser, double began)
+        : run_(run), cached_(cached), denoiser_(denoiser), began_(began), lightmap_(cached.prepare()),
+          valid_(validTexels(cached.map))
     {
         pagesReport_.began = run.report().began;
     }
@@ -245,7 +248,7 @@ public:
         if (Status s = lightmapStage(run_, cached_, std::move(lightmap_), estimates_, main_); !s) return s;
         if (!timed)
             if (Status s = findSeams(); !s) return s;
-        if (Status s = denoiseStage(run_, cached_, seams_, estimates_); !s) return s;
+        if (Status s = denoiseStage(run_, cached_, seams_, denoiser_, estimates_); !s) return s;
         // Pages are made in the background while others trace: to make seams equal takes one thread a while.
         Status made;
         Status traced;
@@ -295,6 +298,7 @@ private:
 
     const BakeRun& run_;
     const CachedIntegrator& cached_;
+    const DeviceDenoiser& denoiser_;
     double began_;
     std::unique_ptr<PreparedLightmap> lightmap_; ///< of the time before the lightmap
     std::vector<IrradianceEstimate> estimates_ = largeVector<IrradianceEstimate>(cached_.map.texels.size());
@@ -347,7 +351,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     if (Status status = validityStage(run, firstStages); !status) return status.error();
     std::optional<BakeCache>& cache = firstStages.cache;
     const CachedIntegrator cached = firstStages.cached();
-    if (Status status = TraceStages(run, cached, began).trace(); !status) return status.error();
+    if (Status status = TraceStages(run, cached, integratorFactory.denoise, began).trace(); !status)
+        return status.error();
 
     if (cache) {
         cache->finish();

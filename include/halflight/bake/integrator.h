@@ -18,6 +18,8 @@
 namespace halflight {
 
 class PartFolder;
+struct DenoiserInput;
+struct Signals;
 
 /// The intersection of a triangle and one texel's square.
 struct TexelFragment {
@@ -253,6 +255,9 @@ public:
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };
 
+/// Denoises estimates of a lightmap on a device. After an error the processor does.
+using DeviceDenoiser = std::function<Result<Signals>(const DenoiserInput& input)>;
+
 /// A kind of integrator.
 struct IntegratorFactory {
     /// Makes an integrator for a scene whose lights have their baking output assigned. `geometry` and `scene` outlive
@@ -266,6 +271,7 @@ struct IntegratorFactory {
     std::function<Result<std::string>(InstructionSet set)> identity;
     /// Bakes anew where such an integrator fails with DeviceFailed: null = the bake fails too.
     std::shared_ptr<const IntegratorFactory> instead;
+    DeviceDenoiser denoise; ///< empty: the processor denoises
 };
 
 } // namespace halflight

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -37,10 +38,11 @@ public:
         return isOnPage(p.x, p.y) ? cells_[indexOf(page, p.x, p.y)].texel : kNoTexel;
     }
     /// Index of the texel at a place on the page of another texel; kNoTexel if there is none on the same chart.
-    [[nodiscard]] uint32_t atPlace(const Texel& texel, vec2 place) const
+    [[nodiscard]] uint32_t onChart(const Texel& texel, int x, int y) const
     {
-        if (!(place.x >= 0.0f && place.y >= 0.0f)) return kNoTexel;
-        return onChart(texel, int(place.x), int(place.y));
+        if (!isOnPage(x, y)) return kNoTexel;
+        const Cell& cell = cells_[indexOf(texel.page, x, y)];
+        return cell.chart == texel.chart ? cell.texel : kNoTexel;
     }
 
     /// Calls body(index) for each texel of the same chart at most `radius` texels away along both axes, and for the
@@ -55,18 +57,14 @@ public:
         }
     }
 
-private:
+    /// What is at a place of a page.
     struct Cell {
         uint32_t texel = kNoTexel;
         uint32_t chart = ~0u;
     };
+    [[nodiscard]] std::span<const Cell> cells() const { return cells_; }
 
-    [[nodiscard]] uint32_t onChart(const Texel& texel, int x, int y) const
-    {
-        if (!isOnPage(x, y)) return kNoTexel;
-        const Cell& cell = cells_[indexOf(texel.page, x, y)];
-        return cell.chart == texel.chart ? cell.texel : kNoTexel;
-    }
+private:
     [[nodiscard]] bool isOnPage(int x, int y) const { return x >= 0 && y >= 0 && x < size_ && y < size_; }
     [[nodiscard]] std::size_t indexOf(uint32_t page, int x, int y) const
     {

@@ -3,6 +3,7 @@
 // instructions.
 
 #include "bake/denoise/denoise.h"
+#include "bake/denoise/tap.h"
 #include "bake/seams/surface_grid.h"
 #include "bake/texels/texel_places.h"
 
@@ -11,26 +12,14 @@
 
 namespace halflight {
 
-constexpr int kTaps = 25; ///< 5 × 5, row by row
-constexpr int kMiddleTap = 12;
+using shading::kMiddleTap;
+using shading::kTaps;
+using shading::tapX;
+using shading::tapY;
+
 constexpr int kPaddedTaps = 28; ///< a multiple of the vectors' width; taps from kTaps on are not valid
-constexpr int tapX(int tap)
-{
-    return tap % 5 - 2;
-}
-constexpr int tapY(int tap)
-{
-    return tap / 5 - 2;
-}
 
 using TapFloats = std::array<float, kPaddedTaps>; ///< a value of each tap
-
-/// What the filter smooths, by texel.
-struct Signals {
-    std::vector<NoisyLight> gathered;
-    std::vector<NoisyLight> direct; ///< empty where no light is fully baked
-    std::vector<vec3> moments;      ///< first moments of all light, lux
-};
 
 struct Guide {
     TexelPlace place;
@@ -47,60 +36,25 @@ struct Level {
     bool directions = false;
 
     [[nodiscard]] int step() const { return 1 << number; }
-    /// Whether a texel counts for gathered light.
-    [[nodiscard]] bool counts(uint32_t texel) const
-    {
-        return guides[texel].valid && (number > 0 || guides[texel].traced);
-    }
 };
 
-/// What the filter reads at one tap: the values of a texel, or beyond a seam the bilinear mean of those around a place.
-struct Tap {
-    bool valid = false;  ///< on the surface, and outside geometry
-    bool counts = false; ///< for gathered light
-    vec3 position{0.0f};
-    vec3 normal{0.0f}; ///< unit
-    NoisyLight gathered;
-    NoisyLight direct;
-    vec3 moment{0.0f};
-};
-
-inline Tap tapOn(const Level& level, uint32_t j)
+inline bool counts(const Level& level, uint32_t texel)
 {
-    const Guide& guide = level.guides[j];
-    Tap tap{guide.valid, level.counts(j), guide.place.position, guide.place.normal, level.in.gathered[j], {}, {}};
-    if (!level.in.direct.empty()) tap.direct = level.in.direct[j];
-    if (level.directions) tap.moment = level.in.moments[j];
-    return tap;
+    return level.guides[texel].valid && (level.number > 0 || level.guides[texel].traced);
 }
 
-/// Nearest texels would lie up to 0.7 texels off, towards the light on one side of a seam and away from it on the
-/// other.
-inline Tap tapBeyond(const Level& level, const SurfaceGrid::Footprint& footprint)
+inline shading::Tap tapOn(const Level& level, uint32_t texel)
 {
-    constexpr float kEnough = 0.5f; // of a footprint's weight; with less, its mean is that of other places
-    Tap sum;
-    float weight = 0.0f;
-    for (std::size_t n = 0; n < footprint.count; ++n) {
-        if (level.counts(footprint.texels[n])) weight += footprint.weights[n];
-    }
-    if (weight < kEnough) return sum;
-    for (std::size_t n = 0; n < footprint.count; ++n) {
-        if (!level.counts(footprint.texels[n])) continue;
-        const float w = footprint.weights[n] / weight;
-        const float ofVariance = level.number == 0 ? w * w : w; // values of later levels share texels
-        const Tap tap = tapOn(level, footprint.texels[n]);
-        sum.position += w * tap.position;
-        sum.normal += w * tap.normal;
-        sum.gathered.irradiance += w * tap.gathered.irradiance;
-        sum.gathered.variance += ofVariance * tap.gathered.variance;
-        sum.direct.irradiance += w * tap.direct.irradiance;
-        sum.direct.variance += ofVariance * tap.direct.variance;
-        sum.moment += w * tap.moment;
-    }
-    sum.valid = sum.counts = glm::length(sum.normal) > 0.0f;
-    if (sum.valid) sum.normal = glm::normalize(sum.normal);
-    return sum;
+    const Guide& guide = level.guides[texel];
+    shading::Tap tap = shading::noTap();
+    tap.valid = guide.valid;
+    tap.counts = counts(level, texel);
+    tap.position = guide.place.position;
+    tap.normal = guide.place.normal;
+    tap.gathered = level.in.gathered[texel];
+    if (!level.in.direct.empty()) tap.direct = level.in.direct[texel];
+    if (level.directions) tap.moment = level.in.moments[texel];
+    return tap;
 }
 
 /// A colour of each tap.
@@ -124,6 +78,7 @@ struct TapLights {
     TapFloats luminance{};
     TapFloats variance{};
 
+    [[nodiscard]] NoisyLight middle() const { return {irradiance.at(kMiddleTap), variance[kMiddleTap]}; }
     void set(std::size_t tap, const NoisyLight& light)
     {
         irradiance.set(tap, light.irradiance);
@@ -146,17 +101,13 @@ struct Taps {
     {
         const vec3 middle = level.guides[texel].place.position;
         for (int k = 0; k < kTaps; ++k) {
-            const int dx = tapX(k) * level.step();
-            const int dy = tapY(k) * level.step();
-            const uint32_t other = level.grid.onChart(texel, dx, dy);
-            const Tap tap =
-                other != kNoTexel ? tapOn(level, other) : tapBeyond(level, level.grid.beyond(texel, dx, dy));
+            const shading::Tap tap = shading::tapAt(level, texel, ivec2(tapX(k), tapY(k)) * level.step());
             if (tap.valid) set(std::size_t(k), tap, middle, level);
         }
     }
 
 private:
-    void set(std::size_t k, const Tap& tap, vec3 middle, const Level& level)
+    void set(std::size_t k, const shading::Tap& tap, vec3 middle, const Level& level)
     {
         valid[k] = 1.0f;
         counts[k] = tap.counts ? 1.0f : 0.0f;

@@ -7,21 +7,10 @@
 #include "halflight/base/finite.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace halflight {
-namespace {
-
-/// Charts that a line to a neighbour may cross: tiles of a texel or two have more, and lose their farthest neighbours.
-constexpr int kMostSeams = 8;
-
-vec2 centreOf(const Texel& texel)
-{
-    return vec2(texel.x, texel.y) + 0.5f;
-}
-
-} // namespace
+static_assert(shading::kNowhere == kNoTexel);
 
 // Of crossings of a texel's border at one place and in one direction, the first is taken in any case. Loose triangles
 // have dozens, as each lies beside many others, and a search among all of them would take longer than all else.
@@ -80,75 +69,14 @@ void SurfaceGrid::indexCrossings()
     }
 }
 
-/// The seam that a line to `to` crosses where it leaves the chart at `exit`, beside `texel`: the nearest one that has
-/// `to` on its other side.
-const SurfaceGrid::Crossing* SurfaceGrid::crossingNear(uint32_t texel, vec2 exit, vec2 to) const
-{
-    const Crossing* nearest = nullptr;
-    float least = kInfinity;
-    for (uint32_t left = crossingsAround_[texel]; left != 0; left &= left - 1) {
-        const int i = std::countr_zero(left);
-        const uint32_t border = onChart(texel, i % 3 - 1, i / 3 - 1);
-        for (uint32_t l = firstCrossing_[border]; l < firstCrossing_[border + 1]; ++l) {
-            const Crossing& crossing = crossings_[l];
-            const float distance = glm::dot(crossing.place - exit, crossing.place - exit);
-            if (distance >= least || glm::dot(to - crossing.place, crossing.outward) <= 0.0f) continue;
-            least = distance;
-            nearest = &crossing;
-        }
-    }
-    return nearest;
-}
-
-std::optional<SurfaceGrid::ChartPlace> SurfaceGrid::placeBeyond(uint32_t texel, int dx, int dy) const
-{
-    if (!chartHasSeams_[map_.texels[texel].chart]) return std::nullopt;
-    vec2 from = centreOf(map_.texels[texel]);
-    vec2 to = from + vec2(dx, dy);
-    for (int seam = 0; seam <= kMostSeams; ++seam) {
-        const Texel& start = map_.texels[texel];
-        const vec2 line = to - from;
-        const int steps = std::max(1, int(std::ceil(std::max(std::abs(line.x), std::abs(line.y)))));
-        int step = 1;
-        for (; step <= steps; ++step) {
-            const uint32_t next = grid_.atPlace(start, from + line * (float(step) / float(steps)));
-            if (next == kNoTexel) break;
-            texel = next;
-        }
-        if (step > steps) return ChartPlace{to, texel};
-        const Crossing* crossing = crossingNear(texel, from + line * ((float(step) - 0.5f) / float(steps)), to);
-        if (crossing == nullptr) return std::nullopt;
-        to = crossing->targetPlace + crossing->across * (to - crossing->place);
-        from = crossing->targetPlace;
-        texel = crossing->target;
-    }
-    return std::nullopt;
-}
-
 SurfaceGrid::Footprint SurfaceGrid::beyond(uint32_t texel, int dx, int dy) const
 {
-    Footprint footprint;
-    const std::optional<ChartPlace> found = placeBeyond(texel, dx, dy);
-    if (!found) return footprint;
-    const vec2 base = glm::floor(found->place - 0.5f);
-    const vec2 f = found->place - 0.5f - base;
-    for (int i = 0; i < 4; ++i) {
-        const float weight = ((i & 1) ? f.x : 1.0f - f.x) * ((i >> 1) ? f.y : 1.0f - f.y);
-        const uint32_t other = grid_.atPlace(map_.texels[found->texel], base + vec2(i & 1, i >> 1) + 0.5f);
-        if (other == kNoTexel || weight <= 0.0f) continue;
-        footprint.texels[footprint.count] = other;
-        footprint.weights[footprint.count++] = weight;
-    }
-    return footprint;
+    return shading::footprintBeyond(*this, texel, {dx, dy});
 }
 
 uint32_t SurfaceGrid::at(uint32_t texel, int dx, int dy) const
 {
-    const uint32_t own = onChart(texel, dx, dy);
-    if (own != kNoTexel) return own;
-    const std::optional<ChartPlace> found = placeBeyond(texel, dx, dy);
-    const uint32_t other = found ? grid_.atPlace(map_.texels[found->texel], found->place) : kNoTexel;
-    return other != texel ? other : kNoTexel; // round a closed surface
+    return shading::texelOnSurface(*this, texel, {dx, dy});
 }
 
 } // namespace halflight

@@ -2,11 +2,10 @@
 // Neighbours of texels on the surface, across the seams between charts and objects.
 
 #include "bake/seams/seams.h"
+#include "bake/seams/surface_walk.h"
 #include "halflight/bake/texel_grid.h"
 
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,12 +17,8 @@ class SurfaceGrid {
 public:
     SurfaceGrid(const TexelMap& map, std::span<const SeamSample> seams);
 
-    /// Texels that bilinear filtering at a place reads, with weights that add up to 1 at most.
-    struct Footprint {
-        std::array<uint32_t, 4> texels{};
-        std::array<float, 4> weights{};
-        std::size_t count = 0;
-    };
+    using Crossing = shading::SeamCrossing;
+    using Footprint = shading::Footprint;
 
     /// The texel at an offset in texels on the same chart; kNoTexel if there is none.
     [[nodiscard]] uint32_t onChart(uint32_t texel, int dx, int dy) const
@@ -52,26 +47,30 @@ public:
         }
     }
 
-private:
-    /// A seam sample seen from one of its sides.
-    struct Crossing {
-        uint32_t texel = kNoTexel;  ///< at the border, on this side
-        uint32_t target = kNoTexel; ///< on the other side
-        vec2 place{0.0f};           ///< on this side's page, texels
-        vec2 outward{0.0f};
-        vec2 targetPlace{0.0f};
-        mat2 across{1.0f}; ///< offsets on the other side's page for offsets on this one's
-    };
-    /// A place on a page, and a texel of the chart that it lies on.
-    struct ChartPlace {
-        vec2 place{0.0f};
-        uint32_t texel = kNoTexel;
-    };
+    /// What surface_walk.h needs.
+    friend ivec2 placeOfTexel(const SurfaceGrid& grid, uint32_t texel)
+    {
+        return {grid.map_.texels[texel].x, grid.map_.texels[texel].y};
+    }
+    friend uint32_t texelAt(const SurfaceGrid& grid, uint32_t texel, ivec2 place)
+    {
+        return grid.grid_.onChart(grid.map_.texels[texel], place.x, place.y);
+    }
+    friend bool chartHasSeams(const SurfaceGrid& grid, uint32_t texel)
+    {
+        return grid.chartHasSeams_[grid.map_.texels[texel].chart] != 0;
+    }
+    friend uint32_t crossingsAround(const SurfaceGrid& grid, uint32_t texel) { return grid.crossingsAround_[texel]; }
+    friend uint32_t firstCrossing(const SurfaceGrid& grid, uint32_t texel) { return grid.firstCrossing_[texel]; }
+    friend const Crossing& crossingAt(const SurfaceGrid& grid, uint32_t crossing) { return grid.crossings_[crossing]; }
 
+    [[nodiscard]] std::span<const TexelGrid::Cell> cells() const { return grid_.cells(); }
+    [[nodiscard]] std::span<const Crossing> crossings() const { return crossings_; }
+    [[nodiscard]] std::span<const uint32_t> firstCrossings() const { return firstCrossing_; }
+
+private:
     static void dropCrowded(std::vector<Crossing>& crossings);
     void indexCrossings();
-    [[nodiscard]] std::optional<ChartPlace> placeBeyond(uint32_t texel, int dx, int dy) const;
-    [[nodiscard]] const Crossing* crossingNear(uint32_t texel, vec2 exit, vec2 to) const;
 
     const TexelMap& map_;
     TexelGrid grid_;
