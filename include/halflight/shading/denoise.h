@@ -271,7 +271,9 @@ HL_CONST float kMomentTolerance = 0.2f;
 HL_FN NoisyLight meanOfTaps(NoisyLight own, float weight, float variance, vec3 light, float correlation)
 {
     if (!(weight > 0.0f)) return own;
-    return noisyLight(light / weight, min(correlation * variance / (weight * weight), own.variance));
+    float weight2 = weight * weight; // 0 where taps differ by far more than noise
+    float ofMean = weight2 > 0.0f ? correlation * variance / weight2 : own.variance;
+    return noisyLight(light / weight, min(ofMean, own.variance));
 }
 
 HL_NAMESPACE_END

@@ -199,6 +199,25 @@ TEST(DenoiseS6, OutliersLeaveInterpolatedTexels)
     }));
 }
 
+/// Interpolated texels that differ from all traced ones by more and more: where these' weights are nearly nothing, the
+/// variance of their mean is a number nevertheless. If it were none, all around would stay as noisy as it is.
+TEST(DenoiseS6, FarOffInterpolatedTexelsHaveVariances)
+{
+    const OneChart chart(vec2(4), vec2(60));
+    const auto estimates = chart.denoised([](const Texel& t) {
+        const bool isOdd = t.x % 8 == 2 && t.y % 8 == 3;
+        IrradianceEstimate e;
+        e.irradiance = vec3(isOdd ? 1.0f - 0.005f * float(t.x / 8 + t.y / 8 * 7) : 1.0f);
+        e.varianceOfMean = 0.004f;
+        e.samples = (t.x + t.y) % 2 == 0 ? 256 : 0;
+        return e;
+    });
+    for (const IrradianceEstimate& e : estimates) {
+        EXPECT_GE(e.varianceOfMean, 0.0f);
+        EXPECT_LT(e.varianceOfMean, 0.002f);
+    }
+}
+
 /// Rows of traced texels with rows between: of 5 x 5, too few are traced to tell two dots from light.
 TEST(DenoiseS6, OutliersGoWhereHalfAreInterpolated)
 {
