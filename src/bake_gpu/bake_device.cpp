@@ -69,6 +69,13 @@ std::string BakeDevice::identity() const
     return identity;
 }
 
+const DenoisePipelines& BakeDevice::denoise()
+{
+    const std::lock_guard lock(denoiseMutex_);
+    if (!denoise_) denoise_.emplace(device_);
+    return *denoise_;
+}
+
 Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options)
 {
     try {

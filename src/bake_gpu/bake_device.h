@@ -1,11 +1,14 @@
 #pragma once
 // The Vulkan device of a bake, and the pipelines that trace rays on it.
 
+#include "bake_gpu/denoise_pipelines.h"
 #include "gpu/acceleration.h"
 
 #include "halflight/bake_gpu/gpu_integrator.h"
 
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 
 namespace halflight {
@@ -34,6 +37,8 @@ public:
     [[nodiscard]] const gpu::ComputePipeline& gatherLight() const { return gatherLight_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSources() const { return gatherSources_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSums() const { return gatherSums_; }
+    /// The denoiser's shaders, made when they are first asked for. Throws gpu::Failure.
+    const DenoisePipelines& denoise();
     [[nodiscard]] std::string name() const { return device_.properties().deviceName; }
     /// "gpu-" with the device's name, its driver's version and a hash of the shaders: what decides the bytes.
     [[nodiscard]] std::string identity() const;
@@ -48,6 +53,8 @@ private:
     gpu::ComputePipeline gatherLight_;
     gpu::ComputePipeline gatherSources_;
     gpu::ComputePipeline gatherSums_;
+    std::mutex denoiseMutex_; ///< guards denoise_
+    std::optional<DenoisePipelines> denoise_;
 };
 
 /// Copies a list to a buffer that shaders find by its address, and trees are built from.

@@ -1,6 +1,7 @@
 #include "halflight/bake_gpu/gpu_integrator.h"
 
 #include "bake_cpu/trace/embree_kernels.h"
+#include "bake_gpu/denoise.h"
 #include "bake_gpu/kernels.h"
 #include "transport/ray_integrator.h"
 
@@ -41,7 +42,8 @@ IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device)
         if (!cpu) return cpu;
         return device->identity() + "-" + *cpu;
     };
-    return {make, identity, std::make_shared<const IntegratorFactory>(embreeIntegrators())};
+    return {make, identity, std::make_shared<const IntegratorFactory>(embreeIntegrators()),
+            [device](const DenoiserInput& input) { return denoisedOnDevice(*device, input); }};
 }
 
 } // namespace halflight

@@ -2,6 +2,7 @@
 // Neighbours of texels on the lightmap.
 
 #include "halflight/bake/integrator.h"
+#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ class TexelGrid {
 public:
     explicit TexelGrid(const TexelMap& map) : map_(map), size_(map.pageSize)
     {
-        cells_.resize(std::size_t(map.pageCount) * std::size_t(size_) * std::size_t(size_));
+        cells_ = largeVector<Cell>(std::size_t(map.pageCount) * std::size_t(size_) * std::size_t(size_));
         forEachIndex(map.texels.size(), [&](std::size_t i) {
             const Texel& t = map.texels[i];
             cells_[indexOf(t.page, t.x, t.y)] = {uint32_t(i), t.chart};

@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <numeric>
 
 namespace halflight {
@@ -240,6 +241,16 @@ std::vector<Guide> guidesOf(const DenoiserInput& input)
     return guides;
 }
 
+/// Whether wanted() holds for any estimate.
+template<typename Wanted> bool anyOf(std::span<const IrradianceEstimate> estimates, const Wanted& wanted)
+{
+    std::atomic<bool> found = false;
+    parallelFor(estimates.size(), 65536, [&](std::size_t begin, std::size_t end) {
+        if (!found && std::ranges::any_of(estimates.subspan(begin, end - begin), wanted)) found = true;
+    });
+    return found;
+}
+
 void writeTo(std::vector<IrradianceEstimate>& estimates, const Signals& signals)
 {
     forEachIndex(estimates.size(), [&](std::size_t i) {
@@ -280,8 +291,8 @@ Status denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<cons
                std::vector<IrradianceEstimate>& estimates, bool directions, const DeviceDenoiser& device)
 {
     const SurfaceGrid grid(map, seams);
-    const bool hasDirect = std::ranges::any_of(estimates, [](const auto& e) { return e.direct != vec3(0.0f); });
-    const bool anyInterpolated = std::ranges::any_of(estimates, isInterpolated);
+    const bool hasDirect = anyOf(estimates, [](const auto& e) { return e.direct != vec3(0.0f); });
+    const bool anyInterpolated = anyOf(estimates, isInterpolated);
     const DenoiserInput input{geometry, map, grid, estimates, hasDirect, anyInterpolated, directions};
     Result<Signals> signals = device ? device(input) : denoisedSignals(input);
     if (signals) {
