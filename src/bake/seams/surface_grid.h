@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace halflight {
@@ -69,6 +70,7 @@ public:
     [[nodiscard]] std::span<const uint32_t> firstCrossings() const { return firstCrossing_; }
 
 private:
+    [[nodiscard]] std::pair<Crossing, Crossing> crossingsOf(const SeamSample& seam) const;
     static void dropCrowded(std::vector<Crossing>& crossings);
     void indexCrossings();
 
