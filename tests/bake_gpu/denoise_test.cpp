@@ -118,8 +118,8 @@ protected:
     static DeviceDenoiser denoiser() { return gpuIntegrators(device).denoise; }
 };
 
-/// Numbers differ by rounding. Where that turns a decision over (light or firefly, curve or slope), a texel is off by
-/// what the filter leaves of noise: by less than the noise before it.
+/// Numbers differ by rounding. Where that turns the choice between curve and slope over, a texel is off by what the
+/// filter leaves of noise: by less than the noise before it.
 TEST_F(DeviceDenoiseS6, LightIsTheProcessors)
 {
     const Floor floor;
