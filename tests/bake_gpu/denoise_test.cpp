@@ -30,8 +30,8 @@ struct Parts {
     bool directions = false;
 };
 
-/// A floor in four objects whose charts lie on the page turned, mirrored, coarser, and at odd fractions of a texel; and
-/// a wall on it.
+/// A floor in four objects, and a wall on it. The floor's charts lie on the page turned, mirrored, at odd fractions of
+/// a texel, and coarser on another page.
 struct Floor {
     Floor()
     {
@@ -46,8 +46,9 @@ struct Floor {
                      {vec2(34.9f, 40.3f), vec2(64.5f, 60.3f)});
         addRectangle(scene, {vec3(0, 0, 0), vec3(6, 0, 0), vec3(0, 2, 0)}, grey, kPage,
                      {vec2(3.5f, 66.2f), vec2(63.5f, 86.2f)});
+        scene.objects[3].lightmap.page = 1;
         geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-        map = rasterizeTexels(geometry, kPage, 1);
+        map = rasterizeTexels(geometry, kPage, 2);
         seams = findSeams(geometry, kPage);
     }
 
