@@ -82,20 +82,10 @@ void SurfaceGrid::indexCrossings()
         const uint32_t border = crossings_[l].texel;
         if (l > 0 && crossings_[l - 1].texel == border) continue;
         for (int i = 0; i < 9; ++i) {
-            const uint32_t beside = onChart(border, 1 - i % 3, 1 - i / 3);
+            const uint32_t beside = shading::texelOnChart(*this, border, ivec2(1 - i % 3, 1 - i / 3));
             if (beside != kNoTexel) crossingsAround_[beside] |= uint16_t(1u << i);
         }
     }
-}
-
-SurfaceGrid::Footprint SurfaceGrid::beyond(uint32_t texel, int dx, int dy) const
-{
-    return shading::footprintBeyond(*this, texel, {dx, dy});
-}
-
-uint32_t SurfaceGrid::at(uint32_t texel, int dx, int dy) const
-{
-    return shading::texelOnSurface(*this, texel, {dx, dy});
 }
 
 } // namespace halflight

@@ -19,36 +19,8 @@ public:
     SurfaceGrid(const TexelMap& map, std::span<const SeamSample> seams);
 
     using Crossing = shading::SeamCrossing;
-    using Footprint = shading::Footprint;
 
-    /// The texel at an offset in texels on the same chart; kNoTexel if there is none.
-    [[nodiscard]] uint32_t onChart(uint32_t texel, int dx, int dy) const
-    {
-        return grid_.at(map_.texels[texel], dx, dy);
-    }
-    /// Calls body(index) for each texel of the same chart at most `radius` texels away along both axes, and for the
-    /// texel itself.
-    template<typename Body> void aroundOnChart(uint32_t texel, int radius, const Body& body) const
-    {
-        grid_.around(texel, radius, body);
-    }
-    /// What is at an offset where the texel's own chart has nothing; without texels where no seam leads there.
-    [[nodiscard]] Footprint beyond(uint32_t texel, int dx, int dy) const;
-
-    /// The texel at an offset, beyond seams the nearest; kNoTexel if there is none.
-    [[nodiscard]] uint32_t at(uint32_t texel, int dx, int dy) const;
-    /// Calls body(index) for each texel at most `radius` texels away along both axes, and for the texel itself.
-    template<typename Body> void around(uint32_t texel, int radius, const Body& body) const
-    {
-        for (int dy = -radius; dy <= radius; ++dy) {
-            for (int dx = -radius; dx <= radius; ++dx) {
-                const uint32_t other = at(texel, dx, dy);
-                if (other != kNoTexel) body(other);
-            }
-        }
-    }
-
-    /// What surface_walk.h needs.
+    /// What surface_walk.h needs, whose functions find texels.
     friend ivec2 placeOfTexel(const SurfaceGrid& grid, uint32_t texel)
     {
         return {grid.map_.texels[texel].x, grid.map_.texels[texel].y};

@@ -68,7 +68,7 @@ TEST(SurfaceGridS6, OffsetsLeadAcrossSeamsToTheSamePlaceInTheWorld)
         for (const ivec2 offset :
              {ivec2(1, 0), ivec2(8, 0), ivec2(16, 0), ivec2(16, 16), ivec2(12, -7), ivec2(-16, 4)}) {
             const vec3 to = from.position + kTexel * vec3(offset.x, 0, -offset.y);
-            const uint32_t found = kit.grid->at(i, offset.x, offset.y);
+            const uint32_t found = shading::texelOnSurface(*kit.grid, i, offset);
             const vec2 beyond = glm::max(vec2(-to.x, -to.z), vec2(to.x - 6.0f, to.z - 4.0f));
             if (std::max(beyond.x, beyond.y) > kTexel) {
                 EXPECT_EQ(found, kNoTexel) << to.x << ", " << to.z;
@@ -90,8 +90,9 @@ TEST(SurfaceGridS6, FootprintsReproduceEvenSlopes)
     for (uint32_t i = 0; i < kit.map.texels.size(); ++i) {
         const TexelPlace from = kit.place(i);
         if (from.position.x > 1.9f || !kit.isWhole(i)) continue;
-        if (kit.grid->onChart(i, 8, 0) != kNoTexel || std::abs(from.position.z - 2.0f) > 1.6f) continue;
-        const SurfaceGrid::Footprint footprint = kit.grid->beyond(i, 8, 0);
+        if (shading::texelOnChart(*kit.grid, i, ivec2(8, 0)) != kNoTexel || std::abs(from.position.z - 2.0f) > 1.6f)
+            continue;
+        const shading::Footprint footprint = shading::footprintBeyond(*kit.grid, i, ivec2(8, 0));
         vec3 mean(0.0f);
         float weight = 0.0f;
         bool whole = footprint.count == 4;
@@ -120,7 +121,10 @@ TEST(SurfaceGridS6, CornersAreNotCrossed)
     const TexelMap map = rasterizeTexels(geometry, kPage, 1);
     const SurfaceGrid grid(map, findSeams(geometry, kPage));
     for (uint32_t i = 0; i < map.texels.size(); ++i) {
-        grid.around(i, 12, [&](uint32_t j) { ASSERT_EQ(map.texels[j].chart, map.texels[i].chart); });
+        for (int k = 0; k < 25 * 25; ++k) {
+            const uint32_t j = shading::texelOnSurface(grid, i, ivec2(k % 25 - 12, k / 25 - 12));
+            if (j != kNoTexel) ASSERT_EQ(map.texels[j].chart, map.texels[i].chart);
+        }
     }
 }
 
