@@ -11,14 +11,14 @@
 #include "halflight/shading/patches.h"
 #include "halflight/shading/pattern.h"
 
-layout(buffer_reference, scalar) buffer Texels { GpuTexel at[]; };
+layout(buffer_reference, scalar) buffer Texels { GpuGatherTexel at[]; };
 layout(buffer_reference, scalar) buffer Points { GpuPoint at[]; };
 layout(buffer_reference, scalar) buffer Blocks { GpuBlock at[]; };
 layout(buffer_reference, scalar) buffer SumsList { GpuSums at[]; };
 layout(buffer_reference, scalar) buffer OpenList { GpuOpen at[]; };
 layout(buffer_reference, scalar) buffer Surfaces { GpuSurface at[]; };
 layout(buffer_reference, scalar) buffer Patches { GpuPatch at[]; };
-layout(buffer_reference, scalar) buffer Guides { GpuGuide at[]; };
+layout(buffer_reference, scalar) buffer Guides { GpuSourceGuide at[]; };
 layout(buffer_reference, scalar) buffer Entries { GpuEntry at[]; };
 layout(buffer_reference, scalar) buffer Clusters { GpuCluster at[]; };
 layout(buffer_reference, scalar) buffer SourceTriangles { GpuSourceTriangle at[]; };
@@ -98,7 +98,7 @@ uint invocation()
     return (gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x) * kGroupSize + gl_LocalInvocationID.x;
 }
 
-GpuPoint pointOf(GpuTexel texel, uint block, int stratum)
+GpuPoint pointOf(GpuGatherTexel texel, uint block, int stratum)
 {
     return push.lists.points.at[texel.firstPoint +
                                 uint(gatherPointOf(texel.id, int(texel.pointCount), int(block), stratum))];
@@ -147,12 +147,12 @@ float probabilityIn(uint first, uint count, uint cluster)
     return entry.cluster == cluster ? entry.probability : 0.0;
 }
 
-float sharedFraction(GpuGuide guide)
+float sharedFraction(GpuSourceGuide guide)
 {
     return guide.sharedCount == 0u ? 0.0 : guide.localCount == 0u ? 1.0 : 0.5;
 }
 
-float probabilityOf(GpuGuide guide, uint cluster)
+float probabilityOf(GpuSourceGuide guide, uint cluster)
 {
     float local = probabilityIn(guide.localFirst, guide.localCount, cluster);
     if (guide.sharedCount == 0u) return local;

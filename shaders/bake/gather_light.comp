@@ -33,7 +33,7 @@ vec3 dimSky(vec3 direction)
 }
 
 // NextEvent::misWeightOfHit().
-float sourceWeight(GpuTexel texel, GpuPoint point, GpuRay ray, GpuHit hit, uint patchId)
+float sourceWeight(GpuGatherTexel texel, GpuPoint point, GpuRay ray, GpuHit hit, uint patchId)
 {
     if (texel.sources == 0u || patchId >= push.tables.all.memberCount) return 1.0;
     GpuMember member = push.tables.members.at[patchId];
@@ -83,7 +83,7 @@ void main()
             leaveOpen(block, stratum, ray, hit, 0u);
         } else {
             GpuBlock b = push.lists.blocks.at[block];
-            GpuTexel texel = push.lists.texels.at[b.texel];
+            GpuGatherTexel texel = push.lists.texels.at[b.texel];
             GpuPatch light = push.tables.patches.at[lit];
             radiance = patchRadianceAlong(light.radiance, light.tilt, ray.direction) *
                        sourceWeight(texel, pointOf(texel, b.number, stratum), ray, hit, patchId);

@@ -19,7 +19,7 @@ void main()
     ray.tMax = -1.0;
     if (inside) {
         GpuBlock b = push.lists.blocks.at[block];
-        GpuTexel texel = push.lists.texels.at[b.texel];
+        GpuGatherTexel texel = push.lists.texels.at[b.texel];
         GpuPoint point = pointOf(texel, b.number, stratum);
         uint bits = patternPoint(hashCombine(push.tables.all.seed, texel.id), b.number, stratum);
         vec2 r = push.tables.radii.at[(bits & 0xffffu) >> uint(16 - kPatternAngleBits)];

@@ -14,7 +14,7 @@ struct Source
 };
 
 // Guides::choosePoint().
-Source chooseSource(GpuGuide guide, vec2 u)
+Source chooseSource(GpuSourceGuide guide, vec2 u)
 {
     Source source;
     source.pdfArea = 0.0;
@@ -71,7 +71,7 @@ void main()
     vec3 irradiance = vec3(0.0);
     if (inside) {
         GpuBlock b = push.lists.blocks.at[block];
-        GpuTexel texel = push.lists.texels.at[b.texel];
+        GpuGatherTexel texel = push.lists.texels.at[b.texel];
         if (takesSourceSample(int(texel.sources), int(b.number), stratum)) {
             int shuffle = int(texel.sources) < kPatternBlock ? strataShuffle(texel.id) : 0;
             uint bits = patternPoint(hashCombine(push.tables.all.sourceSeed, texel.id), b.number, stratum ^ shuffle);

@@ -70,8 +70,10 @@ Status denoiseStage(const BakeRun& run, const CachedIntegrator& cached, std::spa
     StageTimer timer(run.report(), "denoise");
     run.progress("denoise", 0.0);
     const bool directional = run.report().quality.directional;
-    if (Status s = denoise(cached.geometry, cached.map, seams, estimates, directional, device); !s)
-        run.report().warnings.push_back("the processor denoises in the device's place: " + s.error().message);
+    if (Status s = denoise(cached.geometry, cached.map, seams, estimates, directional, device); !s) {
+        if (s.error().code == ErrorCode::DeviceFailed) return s;
+        run.report().warnings.push_back("the processor denoises in the GPU's place: " + s.error().message);
+    }
     timer.finish();
     if (run.progress.cancelled()) return cancelledError();
     return {};

@@ -191,7 +191,7 @@ Result<Signals> denoisedOnDevice(BakeDevice& device, const DenoiserInput& input,
 {
     constexpr std::size_t kMostPlaces = std::size_t(1) << 31; // shaders count them by signed integers of 32 bits
     if (input.grid.cells().size() >= kMostPlaces || input.map.pageCount > int(shading::kMostPages))
-        return Error{ErrorCode::DeviceFailed, "the lightmap has too many pages for the device's denoiser"};
+        return Error{ErrorCode::Unsupported, "the lightmap has too many pages for the device's denoiser"};
     using Clock = std::chrono::steady_clock;
     std::array<Clock::time_point, 5> times{Clock::now()};
     try {

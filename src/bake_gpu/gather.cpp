@@ -10,11 +10,11 @@ namespace {
 
 using namespace shading;
 
-static_assert(sizeof(DeviceGather::Texel) == sizeof(GpuTexel) && sizeof(DeviceGather::Point) == sizeof(GpuPoint));
+static_assert(sizeof(DeviceGather::Texel) == sizeof(GpuGatherTexel) && sizeof(DeviceGather::Point) == sizeof(GpuPoint));
 static_assert(sizeof(DeviceGather::Block) == sizeof(GpuBlock) && sizeof(DeviceGather::Sums) == sizeof(GpuSums));
 static_assert(sizeof(DeviceGather::Open) == sizeof(GpuOpen));
 static_assert(sizeof(PatchLayout::Surface) == sizeof(GpuSurface) && sizeof(PatchLayout::Elements) == sizeof(uint32_t));
-static_assert(sizeof(PatchRadiance) == sizeof(GpuPatch) && sizeof(Guide) == sizeof(GpuGuide));
+static_assert(sizeof(PatchRadiance) == sizeof(GpuPatch) && sizeof(Guide) == sizeof(GpuSourceGuide));
 static_assert(sizeof(Guides::Entry) == sizeof(GpuEntry) && sizeof(LightClusters::Cluster) == sizeof(GpuCluster));
 static_assert(sizeof(LightClusters::SourceTriangle) == sizeof(GpuSourceTriangle));
 static_assert(sizeof(AliasBin) == sizeof(GpuAliasBin) && sizeof(LightClusters::Member) == sizeof(GpuMember));

@@ -8,7 +8,7 @@
 HL_NAMESPACE_BEGIN
 
 // [DeviceGather::Texel, Point, Block]
-struct GpuTexel {
+struct GpuGatherTexel {
     uint id;
     uint firstPoint;
     uint pointCount;
@@ -65,7 +65,7 @@ HL_CONST uint kHalfTexelElements = 0x40000000u;
 HL_CONST uint kSplit = 0x80000000u;
 
 // [Guide, Guides::Entry, LightClusters::Cluster, SourceTriangle, AliasBin, Member]
-struct GpuGuide {
+struct GpuSourceGuide {
     uint localFirst;
     uint localCount;
     uint sharedFirst;

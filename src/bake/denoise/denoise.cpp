@@ -299,7 +299,7 @@ Status denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<cons
         writeTo(estimates, *signals);
         return {};
     }
-    writeTo(estimates, denoisedSignals(input));
+    if (signals.error().code == ErrorCode::Unsupported) writeTo(estimates, denoisedSignals(input));
     return signals.error();
 }
 

@@ -50,7 +50,7 @@ Signals denoisedSignals(const DenoiserInput& input);
 /// and variance guide it. `directions`: also filters first moments, for directional lightmaps.
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,
              std::vector<IrradianceEstimate>& estimates, bool directions = true);
-/// The same on a device. Where that fails, the processor denoises, and the status says why.
+/// The same on a device. Unsupported: the map is not for it, and the processor denoised. DeviceFailed: nobody did.
 Status denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,
                std::vector<IrradianceEstimate>& estimates, bool directions, const DeviceDenoiser& device);
 
