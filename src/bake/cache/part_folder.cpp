@@ -15,7 +15,7 @@ namespace halflight {
 namespace {
 
 constexpr char kMagic[8] = {'H', 'L', 'P', 'A', 'R', 'T', 'S', '1'};
-constexpr const char* kSuffix = ".part";
+constexpr const char* kPartSuffix = ".part";
 constexpr const char* kTemporary = ".tmp-";
 
 struct Header {
@@ -58,7 +58,7 @@ std::vector<std::size_t> workOrder(std::size_t count, WorkShare share)
 
 std::filesystem::path PartFolder::fileOf(std::string_view name) const
 {
-    return folder_ / (std::string(name) + kSuffix);
+    return folder_ / (std::string(name) + kPartSuffix);
 }
 
 bool PartFolder::contains(std::string_view name) const
