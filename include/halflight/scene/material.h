@@ -47,6 +47,7 @@ constexpr float kNoAttenuation = std::numeric_limits<float>::infinity();
 struct Material {
     enum class AlphaMode { Opaque, Mask, Blend };
     std::string name;
+    std::string group;    ///< light group of its emission (light_groups.h); empty = none
     vec4 baseColor{1.0f}; ///< linear, times texture and vertex colour
     TextureRef baseColorTexture;
     float metallic = 1.0f;

@@ -88,11 +88,11 @@ bool hasSet(const SourceDocument& document, const Mesh& mesh, int texCoord)
 }
 
 // Lightmap coordinates of a mesh from the TEXCOORD_n that its node names.
-Status readLightmapUv(const SourceDocument& document, Mesh& mesh, int texCoord)
+Status readLightmapUv(const SourceDocument& document, const Scene& scene, Mesh& mesh, int texCoord)
 {
     // A TEXCOORD_1 that a texture reads too is the author's: the bake kept it.
     const bool isAuthors = std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
-        return readsTexCoord(element(document.json, "materials", part.material), texCoord);
+        return readsTexCoord(element(document.json, "materials", sourceMaterialOf(scene, part)), texCoord);
     });
     for (MeshPart& part : mesh.parts) {
         const Json& primitive = primitiveOf(document, mesh.sourceMesh, part.sourcePrimitive);
@@ -170,7 +170,8 @@ Status readBindings(const SourceDocument& document, BakedScene& baked)
         }
         const auto [it, isNew] = texCoordOf.try_emplace(object.mesh, texCoord.get<int>());
         if (!isNew) continue;
-        if (Status s = readLightmapUv(document, scene.meshes[std::size_t(object.mesh)], it->second); !s) return s;
+        if (Status s = readLightmapUv(document, scene, scene.meshes[std::size_t(object.mesh)], it->second); !s)
+            return s;
     }
     if (!withoutSet.empty())
         baked.lost.push_back("the lightmap coordinates of objects " + listOf(withoutSet) + ": probes light them");

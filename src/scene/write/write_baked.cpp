@@ -28,7 +28,7 @@ class Writer {
 public:
     Writer(const BakedScene& baked, const WriteOptions& options)
         : baked_(baked), scene_(baked.scene), options_(options), source_(*baked.scene.source), patcher_(source_),
-          pictures_(patcher_, source_), atBake_(baked.scene), nodes_(patcher_, source_, baked, atBake_)
+          pictures_(patcher_, source_), atBake_(baked.scene), nodes_(patcher_, source_, baked, atBake_, fileMaterials_)
     {}
 
     /// `imagePrefix`: see DocumentPatcher::finish().
@@ -61,17 +61,36 @@ private:
         }
     }
 
-    /// A record where something is off or the material is tinted, and none elsewhere.
+    /// The file's material of each scene material. Scene materials of one source, of different light groups, have a
+    /// copy each but for the first.
+    std::vector<int> copyMaterials()
+    {
+        std::vector<int> inFile;
+        std::set<int> taken;
+        for (const Material& material : scene_.materials) {
+            const int source = material.sourceMaterial;
+            const bool copied = source >= 0 && !taken.insert(source).second;
+            inFile.push_back(copied ? patcher_.append("materials", source_.json["materials"][std::size_t(source)])
+                                    : source);
+        }
+        return inFile;
+    }
+
+    /// A record where something is off, or the material is tinted or of a light group, and none elsewhere.
     void writeMaterials()
     {
-        for (const Material& material : scene_.materials) {
+        fileMaterials_ = copyMaterials();
+        for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+            const Material& material = scene_.materials[i];
             if (material.sourceMaterial < 0) continue;
-            Json& json = patcher_.json["materials"][std::size_t(material.sourceMaterial)];
+            Json& json = patcher_.json["materials"][std::size_t(fileMaterials_[i])];
             eraseExtension(json, kMaterialExtension);
-            if (material.castShadows && material.receiveShadows && !material.tinted) continue;
+            const bool plain = material.castShadows && material.receiveShadows && !material.tinted;
+            if (plain && material.group.empty()) continue;
             Json& record = json["extensions"][kMaterialExtension];
             record = {{"castShadows", material.castShadows}, {"receiveShadows", material.receiveShadows}};
             if (material.tinted) record["tinted"] = true;
+            if (!material.group.empty()) record["group"] = material.group;
             materialRecords_ = true;
         }
         writeScaledEmission(patcher_.json, scene_);
@@ -145,6 +164,7 @@ private:
     DocumentPatcher patcher_;
     PictureWriter pictures_;
     AtBake atBake_;
+    std::vector<int> fileMaterials_; ///< by Scene::materials
     NodeWriter nodes_;
     WrittenBytes bytes_;
     Json root_;

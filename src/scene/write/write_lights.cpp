@@ -110,6 +110,7 @@ private:
         if (light.type == LightType::Directional) record["angularRadius"] = light.angularRadiusRadians;
         if (isAreaLight(light.type) && light.rangeMeters > 0.0f) record["range"] = light.rangeMeters;
         if (const Json bias = biasJson(light.shadowBias); !bias.empty()) record["shadowBias"] = bias;
+        if (!light.group.empty()) record["group"] = light.group;
         if (added) record["added"] = true;
         if (!light.baking.isBaked) return record;
         Json& baking = record["baking"];

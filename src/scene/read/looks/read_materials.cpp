@@ -1,4 +1,5 @@
 #include "scene/read/looks/read_materials.h"
+#include "halflight/scene/light_groups.h"
 #include "scene/document/decode/compression.h"
 #include "scene/format/material_sides.h"
 #include "scene/read/looks/decode_textures.h"
@@ -320,6 +321,7 @@ Status readSwitches(const Json& json, const std::string& path, FileSettings& fil
     flag("castShadows", material.castShadows);
     flag("receiveShadows", material.receiveShadows);
     flag("tinted", material.tinted);
+    if (std::string group = stringOf(record, "group"); isGroupName(group)) material.group = std::move(group);
     for (auto& rule : file.materials) {
         if (!matchesPattern(rule.pattern, material.name)) continue;
         rule.matched = true;
