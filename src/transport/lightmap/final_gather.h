@@ -10,22 +10,28 @@ public:
     /// `cache` and `guides` null = no bounces: rays receive emitters and sky alone.
     FinalGather(const PathTracer& paths, const StratifiedPattern& pattern, const RadianceCache* cache,
                 const Guides* guides, const IntegrationSettings& settings)
-        : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings), block_(cache),
-          next_(paths, pattern, cache, guides, settings)
+        : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings),
+          block_(cache, paths.light().components()), next_(paths, pattern, cache, guides, settings)
     {}
 
-    /// Adds the given blocks of 16 samples to the group's texels. `estimates` by lane.
-    void add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelEstimate> estimates,
-             uint64_t& rays);
+    /// Estimates of a group's texels, by lane; those of components by lane and component, where there are some.
+    struct Estimates {
+        std::span<TexelEstimate> texels;
+        std::span<ComponentEstimate> components;
+    };
+    /// Adds the given blocks of 16 samples to the group's texels.
+    void add(const GatherGroup& group, int firstBlock, int blockCount, const Estimates& estimates, uint64_t& rays);
     /// Adds emitter samples to texels with gathered light: as many blocks as that has.
-    void addEmitters(const GatherGroup& group, std::span<TexelEstimate> estimates, uint64_t& rays);
+    void addEmitters(const GatherGroup& group, const Estimates& estimates, uint64_t& rays);
 
 private:
     using Radiances = std::array<Vec3Lanes, StratifiedPattern::kBlock>;
     void gatherBlock(const GatherGroup& group, int number, uint64_t& rays);
     void tint(Radiances& radiance) const;
     void weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays);
-    void sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates, uint64_t& rays);
+    void sampleEmitters(const GatherGroup& group, int number, const Estimates& estimates, uint64_t& rays);
+    void addComponents(const GatherGroup& group, int number);
+    [[nodiscard]] bool hasComponents() const { return block_.components.count() > 0; }
     [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int number, int stratum) const;
     vec3 continuation(const GatherGroup& group, int lane, int number, int stratum, uint64_t& rays);
 
@@ -35,6 +41,7 @@ private:
     const IntegrationSettings& settings_;
     GatherBlock block_;
     NextEvent next_;
+    PathLights lights_; ///< of the current continuation path
 };
 
 } // namespace halflight

@@ -53,7 +53,8 @@ public:
     Result<Radiosity> build()
     {
         if (Status s = runPasses(); !s) return s.error();
-        RadiositySolution solution = solveRadiosity(patches_, std::move(factors_), input_.settings.bounces);
+        RadiositySolution solution =
+            solveRadiosity(patches_, std::move(factors_), input_.settings.bounces, input_.paths.light().components());
         return Radiosity{std::move(patches_), std::move(solution)};
     }
 

@@ -3,8 +3,11 @@
 
 #include "transport/sample/direct_light.h"
 #include "transport/sample/gather_direction.h"
+#include "transport/sample/path_light.h"
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -30,14 +33,16 @@ struct RadianceLookup {
 
     explicit operator bool() const { return find != nullptr; }
     [[nodiscard]] CachedRadiance at(const RayEnd& end, int reflections) const { return find(cache, end, reflections); }
+    /// Radiance of each component of a hit that was found.
+    void (*findComponents)(const void* cache, const RayEnd& end, int reflections, std::span<vec3> out) = nullptr;
 };
 
 class PathTracer {
 public:
     /// `scene` and `geometry` outlive the tracer.
     PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces,
-               const MakeKernels& makeKernels)
-        : tracer_(scene, geometry, makeKernels), light_(scene, tracer_, use), direct_(tracer_, light_),
+               const MakeKernels& makeKernels, const LightComponents& components = {})
+        : tracer_(scene, geometry, makeKernels), light_(scene, tracer_, use, components), direct_(tracer_, light_),
           bounces_(bounces)
     {}
     PathTracer(const PathTracer&) = delete;
@@ -62,19 +67,22 @@ public:
         bool firstHitBackFace = false;
     };
     /// The ray starts at the receiver's position. `directionPdf`: density of `direction` per steradian, if `receiver`
-    /// samples emitters too (the MIS weight of emitter hits), else 0.
+    /// samples emitters too (the MIS weight of emitter hits), else 0. `lights` as of pathRadiance().
     Incoming incoming(const Receiver& receiver, vec3 direction, float directionPdf, int bounces, Sampler& sampler,
-                      uint64_t& rays) const;
+                      uint64_t& rays, PathLights* lights = nullptr) const;
 
     /// Radiance that a hit sends back along `direction`, through the glass before it, after at most `bounces`
     /// reflections. The path ends where `lookup` has the radiance. `byBounce`, if given, receives the parts of 0, 1, …
-    /// reflections.
+    /// reflections. `lights`, if given, receives the parts of the components.
     vec3 pathRadiance(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
-                      uint64_t& rays, const RadianceLookup& lookup = {}, std::vector<vec3>* byBounce = nullptr) const;
+                      uint64_t& rays, const RadianceLookup& lookup = {}, std::vector<vec3>* byBounce = nullptr,
+                      PathLights* lights = nullptr) const;
 
     /// What a specular lobe sends back along the ray that has hit it.
     struct Reflection {
         vec3 lights{0.0f}; ///< radiance of sampled lights
+        /// The same of a punctual light, an emitter and the sky.
+        std::array<DirectLight::Reflected, 3> ofLights;
         vec3 throughput{0.0f};
         vec3 direction{0.0f}; ///< of the ray that goes on
         float pdf = 0.0f;     ///< of the direction, per steradian
@@ -88,6 +96,18 @@ public:
                        uint64_t& rays) const;
 
 private:
+    /// Radiance of sampled lights that the diffuse part of a surface reflects: of all, and where `components` are asked
+    /// for of a punctual light, an emitter and the sky.
+    struct DiffuseReflection {
+        vec3 lights{0.0f};
+        std::array<DirectLight::Reflected, 3> ofLights;
+    };
+    DiffuseReflection reflectDiffusely(const SurfacePoint& point, vec3 albedo, bool components, Sampler& sampler,
+                                       uint64_t& rays) const;
+    /// Notes the components of what `lookup` has found. `before`: reflections up to the path's start.
+    void noteCached(const RadianceLookup& lookup, const RayEnd& end, int reflections, vec3 throughput, int before,
+                    PathLights& lights) const;
+
     RayTracer tracer_;
     SceneLight light_;
     DirectLight direct_;
