@@ -136,6 +136,7 @@ TEST_P(ComponentsS33, AddUpToTheSum)
         mean += double(light) / double(estimates.all.size());
     }
     const double whole = meanOf(bakeAlone(room(), settingsOf(GetParam(), samples)));
+    EXPECT_NEAR(mean / whole, 1.0, 0.003);
 }
 
 TEST_P(ComponentsS33, EachAloneIsAsGoodAsItsOwnBake)
@@ -174,6 +175,14 @@ TEST(ComponentsOfProbesS33, AddUpToTheSum)
         }
         for (std::size_t c = 0; c < kComponents; ++c) EXPECT_GT(luminance(components[p * kComponents + c][0]), 0.0f);
     }
+    // Choices of lights differ from those without components, means do not.
+    Bench whole(room(), MixedLightingMode::Shadowmask, kPage, settingsOf(IntegratorKind::Cache, 16));
+    std::vector<ProbeEstimate> expected(places.size());
+    constexpr int kPaths = 65536;
+    ASSERT_TRUE(whole.integrator->probes(places, which, kPaths, expected, {}));
+    ASSERT_TRUE(bench.integrator->probesByComponent(places, which, kPaths, out, components, {}));
+    for (std::size_t p = 0; p < places.size(); ++p)
+        EXPECT_NEAR(luminance(out[p].radiance[0]) / luminance(expected[p].radiance[0]), 1.0, 0.01);
 }
 
 } // namespace

@@ -158,6 +158,8 @@ struct BakingOutput {
     float reachMeters = 0.0f;
     float outerConeRadians = kPi / 2.0f; ///< spot: half angle at bake time; B is 1 outside of it
     LightAtBake atBake;
+    int group = -1;   ///< index into BakedScene::groups, -1 = none
+    vec3 white{0.0f}; ///< of a member of a group, colour times intensity at the weight 1
 };
 
 constexpr float kMaxShadowBias = 100.0f; ///< of a light's own depth bias and slope bias

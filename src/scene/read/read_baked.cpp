@@ -9,6 +9,7 @@
 #include "scene/model/origin.h"
 #include "scene/read/check_bake.h"
 #include "scene/read/looks/read_pictures.h"
+#include "scene/read/read_groups.h"
 #include "scene/read/read_probes.h"
 #include "scene/read/read_reflections.h"
 #include "scene/read/read_scene.h"
@@ -213,6 +214,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     baked.mode = *named;
     baked.isBaked = true;
     if (Status s = readMaskLayers(root, baked); !s) return s.error();
+    if (Status s = readGroups(root, baked); !s) return s.error();
     if (Status s = readPictures(document, root, baked); !s) return s.error();
     if (Status s = readMaskChannels(member(root, "shadowmaskChannels"), baked); !s) return s.error();
     const auto origin = recordedOrigin(document);
@@ -220,6 +222,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     const glm::dvec3 shift = *origin - baked.scene.originMeters;
     if (Status s = readDefaultShadowColor(root, baked); !s) return s.error();
     if (Status s = readProbes(document, member(root, "probes"), shift, baked.probes); !s) return s.error();
+    if (Status s = readGroupProbes(document, root, baked); !s) return s.error();
     auto reflections = readReflections(document, member(root, "reflectionProbes"), shift);
     if (!reflections) return reflections.error();
     baked.reflections = std::move(*reflections);

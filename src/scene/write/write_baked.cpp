@@ -10,6 +10,7 @@
 #include "scene/settings/settings.h"
 #include "scene/write/make_document.h"
 #include "scene/write/write_bake_pictures.h"
+#include "scene/write/write_groups.h"
 #include "scene/write/write_lights.h"
 #include "scene/write/write_nodes.h"
 #include "scene/write/write_pictures.h"
@@ -86,19 +87,23 @@ private:
             Json& json = patcher_.json["materials"][std::size_t(fileMaterials_[i])];
             eraseExtension(json, kMaterialExtension);
             const bool plain = material.castShadows && material.receiveShadows && !material.tinted;
-            if (plain && material.group.empty()) continue;
+            if (plain && material.group.empty() && material.bakedGroup < 0) continue;
             Json& record = json["extensions"][kMaterialExtension];
             record = {{"castShadows", material.castShadows}, {"receiveShadows", material.receiveShadows}};
             if (material.tinted) record["tinted"] = true;
             if (!material.group.empty()) record["group"] = material.group;
+            if (material.bakedGroup >= 0)
+                record["baking"] = {{"group", material.bakedGroup}, {"white", numbers(material.whiteNits)}};
             materialRecords_ = true;
         }
         writeScaledEmission(patcher_.json, scene_);
+        writeChangedEmission(patcher_.json, scene_, fileMaterials_);
     }
 
     void writeRoot()
     {
-        root_["version"] = baked_.maskLayers > 1 ? kLayeredVersion : kFormatVersion;
+        const bool layered = baked_.maskLayers > 1 || !baked_.groups.empty();
+        root_["version"] = layered ? kLayeredVersion : kFormatVersion;
         if (baked_.maskLayers > 1) root_["shadowmaskLayers"] = baked_.maskLayers;
         root_["mode"] = nameOf(baked_.mode);
         if (scene_.originMeters != dvec3(0.0)) root_["origin"] = numbers(scene_.originMeters);
@@ -126,6 +131,7 @@ private:
         writeMark();
         if (Json probes = probesJson(patcher_, baked_.probes, baked_.maskLayers, bytes_.probes); !probes.is_null())
             root_["probes"] = std::move(probes);
+        writeGroupProbes(patcher_, baked_, root_, bytes_);
         if (baked_.isBaked) root_["atBake"]["members"] = membersOfBake(root_);
         patcher_.json["extensions"][kRootExtension] = std::move(root_);
     }

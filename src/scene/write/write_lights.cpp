@@ -122,6 +122,10 @@ private:
             baking["reach"] = light.baking.reachMeters;
         if (light.type == LightType::Spot) baking["outerConeAngle"] = light.baking.outerConeRadians;
         if (light.baking.atBake.known) baking["atBake"] = atBakeJson(light.baking.atBake);
+        if (light.baking.group >= 0) {
+            baking["group"] = light.baking.group;
+            baking["white"] = numbers(light.baking.white);
+        }
         if (!light.baking.reason.empty()) baking["reason"] = light.baking.reason;
         return record;
     }

@@ -107,6 +107,10 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
         output.occlusionMaskChannel = channel.get<int>();
     }
     output.reason = stringOf(baking, "reason");
+    if (const Json& group = member(baking, "group"); group.is_number_unsigned()) {
+        output.group = group.get<int>();
+        readVec3(member(baking, "white"), output.white);
+    }
     if (glm::dmat4 pose(1.0); readMatrix(member(baking, "worldFromLight"), pose))
         output.worldFromLight = localFromWorld(pose, origin);
     // Lights without a range have no reach unless the bake gave them one; other lights without a record are of files
