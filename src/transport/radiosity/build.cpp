@@ -160,6 +160,7 @@ private:
                          sampler.gather(some);
                          out.samples.shrink_to_fit();
                          out.links.shrink_to_fit();
+                         out.components.shrink_to_fit();
                          rays_ += sampler.rays();
                      });
     }

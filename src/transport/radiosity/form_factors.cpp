@@ -226,7 +226,7 @@ void FormFactorSampler::addDirectLight(PatchId source, const SurfacePoint& point
         LobeMoments lobes;
         lobes.addLight(surface, point, direction, irradiance, sampler);
         sums.lobes.add(lobes);
-        own.lobes.add(lobes);
+        own.addLobes(lobes);
     };
     for (const LampSample& lamp : lamps) {
         if (lamp.light == nullptr) continue;

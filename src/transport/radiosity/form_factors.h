@@ -24,7 +24,16 @@ struct PatchSamples {
 struct ComponentSamples {
     vec3 gathered{0.0f};
     vec3 direct{0.0f};
-    LobeMoments lobes; ///< of direct light
+    vec3 exitance{0.0f}; ///< of lobes, as LobeMoments
+    float sampledExitance = 0.0f;
+    vec3 sampledMoment{0.0f};
+
+    void addLobes(const LobeMoments& lobes)
+    {
+        exitance += lobes.exitance;
+        sampledExitance += lobes.sampledExitance;
+        sampledMoment += lobes.sampledMoment;
+    }
 };
 
 /// Samples of a range of items. A link is a ray from a patch to a patch. The share of a patch's rays that link it to

@@ -92,7 +92,6 @@ private:
                 u.directCount += float(s.directCount);
                 u.rays += float(s.rayCount - lost);
                 u.minDistance = std::max(u.minDistance, s.minDistance);
-                for (int c = 0; c < components_; ++c) addComponent(range, i, c, s.patch);
             }
         }
         for (Unknown& u : unknowns_) {
@@ -103,26 +102,26 @@ private:
             u.lobes.albedo = glm::min(u.lobes.albedo / u.directCount, 1.0f - u.albedo);
             u.lobes.exitance /= u.directCount;
         }
-        for (int c = 0; c < components_; ++c) completeComponent(ofComponent_[std::size_t(c)]);
     }
 
-    /// Adds the light of a component in an entry of a range's samples.
-    void addComponent(FormFactorRange& range, std::size_t entry, int component, uint32_t unknown)
+    /// Unknowns of a component, with the surfaces and counts of the sum's.
+    std::vector<Unknown> unknownsOf(int component, const std::vector<Unknown>& all)
     {
-        std::vector<Unknown>& unknowns = ofComponent_[std::size_t(component)];
-        unknowns.resize(unknownCount_);
-        const ComponentSamples& s = range.componentsOf(range.samples[entry], components_)[std::size_t(component)];
-        Unknown& u = unknowns[unknown];
-        u.gathered += kPi * s.gathered;
-        u.direct += s.direct;
-        u.lobes.add(s.lobes);
-    }
-
-    /// Surfaces and counts are those of the sum.
-    void completeComponent(std::vector<Unknown>& unknowns)
-    {
-        unknowns.resize(unknownCount_);
-        forEachIndex(unknownCount_, [&](std::size_t i) { unknowns[i].completeFrom(unknowns_[i]); });
+        std::vector<Unknown> unknowns(unknownCount_);
+        for (FormFactorRange& range : factors_) {
+            for (const PatchSamples& samples : range.samples) {
+                if (samples.patch == kNoPatch) continue;
+                const ComponentSamples& s = range.componentsOf(samples, components_)[std::size_t(component)];
+                Unknown& u = unknowns[samples.patch];
+                u.gathered += kPi * s.gathered;
+                u.direct += s.direct;
+                u.lobes.exitance += s.exitance;
+                u.lobes.sampledExitance += s.sampledExitance;
+                u.lobes.sampledMoment += s.sampledMoment;
+            }
+        }
+        forEachIndex(unknownCount_, [&](std::size_t i) { unknowns[i].completeFrom(all[i]); });
+        return unknowns;
     }
 
     /// Radiance of each component, by sweeps of its own. Where the sum has not converged, all take as many.
@@ -138,7 +137,7 @@ private:
         RadianceCache::Levels levels = std::move(levels_);
         const bool converged = converged_;
         for (component_ = 0; component_ < components_; ++component_) {
-            unknowns_ = std::move(ofComponent_[std::size_t(component_)]);
+            unknowns_ = unknownsOf(component_, all);
             levels_ = {};
             iterate(converged);
             keepComponent(cache);
@@ -149,6 +148,7 @@ private:
                 illuminance[i * cache.count + std::size_t(component_)] = own[i];
         }
         component_ = -1;
+        for (FormFactorRange& range : factors_) release(range.components);
         unknowns_ = std::move(all);
         reflected_ = std::move(reflected);
         diffuse_ = std::move(diffuse);
@@ -366,7 +366,6 @@ private:
     int bounces_;
     int components_;
     int component_ = -1; ///< that is solved; -1 = the sum
-    std::array<std::vector<Unknown>, kMostLightGroups + 1> ofComponent_;
     bool converged_ = false;
     std::vector<uint32_t> rayCount_; ///< by patch and element
     std::vector<uint32_t> unknown_;  ///< number of the unknown, or kNoPatch
