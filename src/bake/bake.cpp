@@ -359,6 +359,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     BakeResult result;
     BakeReport& report = result.report;
     FileGroup images;
+    for (Material& material : scene.materials) material.bakedGroup = -1; // of an earlier bake
     Result<LightGrouping> grouping = groupLights(scene, live == nullptr ? settings.groups : GroupChoice::Off);
     if (!grouping) return grouping.error();
     if (Status s = checkGroups(settings, *grouping); !s) return s.error();

@@ -89,6 +89,12 @@ Status checkGroups(const BakeSettings& settings, const LightGrouping& grouping)
     return {};
 }
 
+Status checkLightGroups(Scene& scene, const BakeSettings& settings)
+{
+    const Result<LightGrouping> grouping = groupLights(scene, settings.groups);
+    return grouping ? checkGroups(settings, *grouping) : Status(grouping.error());
+}
+
 LightComponents componentsOf(const LightGrouping& grouping)
 {
     LightComponents components;

@@ -209,6 +209,10 @@ struct BakeResult {
 /// The warning for tiles that could not be written to the cache.
 std::string cacheWarning(const std::filesystem::path& folder, const Error& error);
 
+/// Whether bakes with these settings can have the scene's light groups. InvalidArgument says why not. Adds the warnings
+/// of groupLights() to the scene's.
+Status checkLightGroups(Scene& scene, const BakeSettings& settings);
+
 /// Runs the whole bake. `integratorFactory` makes its integrator (embreeIntegrators() of bake_cpu, say). Errors:
 /// those of unwrap() and of the integrator, Cancelled, and Unsupported for a denoiser that the build lacks.
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,

@@ -32,14 +32,17 @@ PathTracer::Reflection PathTracer::reflect(const SurfaceHit& hit, const Specular
         });
     if (choice.light != nullptr) {
         result.lights = choice.irradiance(direct_.lightVisibility(*choice.light, hit.point, choice.disc, rays));
-        result.ofLights[0] = {result.lights / probability, choice.light->component};
+        result.ofLights[0] = {result.lights, choice.light->component};
     }
     const vec3 sky = direct_.reflectedSky(hit, lobe, sampler, rays);
     const DirectLight::Reflected emitter = direct_.reflectedEmitters(hit, lobe, sampler, rays);
     result.lights += emitter.radiance + sky;
     result.lights /= probability;
-    result.ofLights[1] = {emitter.radiance / probability, emitter.component};
-    result.ofLights[2] = {sky / probability, light_.skyComponent()};
+    if (light_.components() > 0) {
+        result.ofLights[0].radiance /= probability;
+        result.ofLights[1] = {emitter.radiance / probability, emitter.component};
+        result.ofLights[2] = {sky / probability, light_.skyComponent()};
+    }
     result.direction = lobe.sample(sampler.next2());
     if (result.direction == vec3(0.0f)) return result;
     result.pdf = lobe.pdf(result.direction);
