@@ -6,6 +6,18 @@
 #include <cmath>
 
 namespace halflight {
+namespace {
+
+/// Probability with which a path goes on by the specular lobe of a hit.
+float specularShare(const SurfaceHit& hit, vec3 direction)
+{
+    const SurfaceReflectance& surface = hit.reflectance;
+    const float cosine = std::min(std::abs(glm::dot(hit.point.normal, direction)), 1.0f);
+    return shading::specularSamplingShare(surface.baseColor, surface.metallic, surface.roughness, surface.specular,
+                                          cosine);
+}
+
+} // namespace
 
 PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 direction, float directionPdf, int bounces,
                                           Sampler& sampler, uint64_t& rays, PathLights* lights) const
@@ -19,7 +31,7 @@ PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 directi
 }
 
 PathTracer::Reflection PathTracer::reflect(const SurfaceHit& hit, const SpecularLobe& lobe, float probability,
-                                           Sampler& sampler, uint64_t& rays) const
+                                           Sampler& sampler, uint64_t& rays, SampledLights* ofLights) const
 {
     Reflection result;
     const SceneLight::LightChoice choice =
@@ -30,19 +42,17 @@ PathTracer::Reflection PathTracer::reflect(const SurfaceHit& hit, const Specular
                 return lobe.reflected(ray.direction, light.radianceAt(hit.point.position) * (ray.solidAngle * scale));
             return lobe.reflected(ray.direction, light.at(hit.point.position).illuminance * scale);
         });
-    if (choice.light != nullptr) {
+    if (choice.light != nullptr)
         result.lights = choice.irradiance(direct_.lightVisibility(*choice.light, hit.point, choice.disc, rays));
-        result.ofLights[0] = {result.lights, choice.light->component};
-    }
+    const vec3 lamp = result.lights;
     const vec3 sky = direct_.reflectedSky(hit, lobe, sampler, rays);
     const DirectLight::Reflected emitter = direct_.reflectedEmitters(hit, lobe, sampler, rays);
     result.lights += emitter.radiance + sky;
     result.lights /= probability;
-    if (light_.components() > 0) {
-        result.ofLights[0].radiance /= probability;
-        result.ofLights[1] = {emitter.radiance / probability, emitter.component};
-        result.ofLights[2] = {sky / probability, light_.skyComponent()};
-    }
+    if (ofLights != nullptr)
+        *ofLights = {{{lamp / probability, choice.light != nullptr ? choice.light->component : 0},
+                      {emitter.radiance / probability, emitter.component},
+                      {sky / probability, light_.skyComponent()}}};
     result.direction = lobe.sample(sampler.next2());
     if (result.direction == vec3(0.0f)) return result;
     result.pdf = lobe.pdf(result.direction);
@@ -57,22 +67,21 @@ PathTracer::Reflection PathTracer::reflect(const SurfaceHit& hit, const Specular
 }
 
 /// Components have no roulette: beside others' light, that of a dim one would be noise.
-PathTracer::DiffuseReflection PathTracer::reflectDiffusely(const SurfacePoint& point, vec3 albedo, bool components,
-                                                           Sampler& sampler, uint64_t& rays) const
+vec3 PathTracer::reflectDiffusely(const SurfacePoint& point, vec3 albedo, Sampler& sampler, uint64_t& rays,
+                                  SampledLights* ofLights) const
 {
-    const auto otherLight = [&](vec3 irradiance) { return components ? 0.0f : luminance(irradiance); };
+    const auto otherLight = [&](vec3 irradiance) { return ofLights != nullptr ? 0.0f : luminance(irradiance); };
     const DirectLight::OfLight lamp = direct_.punctualIrradiance(point, false, sampler, rays);
     vec3 irradiance = lamp.irradiance;
     const auto emitter = direct_.emitterIrradiance(point, otherLight(irradiance), sampler, rays);
     irradiance += emitter.irradiance;
     const auto sky = direct_.skyIrradiance(point, otherLight(irradiance), sampler, rays);
     irradiance += sky.irradiance;
-    DiffuseReflection result{shading::diffuseRadiance(albedo, irradiance), {}};
-    if (components)
-        result.ofLights = {{{shading::diffuseRadiance(albedo, lamp.irradiance), lamp.component},
-                            {shading::diffuseRadiance(albedo, emitter.irradiance), emitter.component},
-                            {shading::diffuseRadiance(albedo, sky.irradiance), sky.component}}};
-    return result;
+    if (ofLights != nullptr)
+        *ofLights = {{{shading::diffuseRadiance(albedo, lamp.irradiance), lamp.component},
+                      {shading::diffuseRadiance(albedo, emitter.irradiance), emitter.component},
+                      {shading::diffuseRadiance(albedo, sky.irradiance), sky.component}}};
+    return shading::diffuseRadiance(albedo, irradiance);
 }
 
 void PathTracer::noteCached(const RadianceLookup& lookup, const RayEnd& end, int reflections, vec3 throughput,
@@ -102,6 +111,12 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
     const auto note = [&](int component, vec3 light, int reflections) {
         if (lights != nullptr && light != vec3(0.0f)) lights->push_back({component, reflections, throughput * light});
     };
+    SampledLights sampled;
+    SampledLights* const ofLights = lights != nullptr ? &sampled : nullptr;
+    const auto noteAll = [&](int reflections) {
+        if (lights == nullptr) return;
+        for (const DirectLight::Reflected& light : sampled) note(light.component, light.radiance, reflections);
+    };
     for (int depth = 0;; ++depth) {
         throughput *= at.tint;
         if (!at.found()) {
@@ -123,26 +138,22 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         const SurfaceHit hit = tracer_.surfaceAt(at);
         const vec3 emission = direct_.weightedEmission(hit, direction, from, directionPdf);
         add(emission, depth);
-        note(light_.emissionComponent(hit.point.triangle), emission, depth);
+        if (lights != nullptr) note(light_.emissionComponent(hit.point.triangle), emission, depth);
         if (depth >= bounces || cached) break;
         const vec3 albedo = albedoOf(hit.reflectance);
 
         // Next event: light that reaches this surface directly.
         if (albedo != vec3(0.0f)) {
-            const DiffuseReflection r = reflectDiffusely(hit.point, albedo, lights != nullptr, sampler, rays);
-            add(r.lights, depth + 1);
-            for (const DirectLight::Reflected& light : r.ofLights) note(light.component, light.radiance, depth + 1);
+            add(reflectDiffusely(hit.point, albedo, sampler, rays, ofLights), depth + 1);
+            noteAll(depth + 1);
         }
         if (glossy()) {
             const SpecularLobe lobe(hit.reflectance, hit.point, direction);
-            const SurfaceReflectance& surface = hit.reflectance;
-            const float cosine = std::min(std::abs(glm::dot(hit.point.normal, direction)), 1.0f);
-            const float probability = shading::specularSamplingShare(surface.baseColor, surface.metallic,
-                                                                     surface.roughness, surface.specular, cosine);
+            const float probability = specularShare(hit, direction);
             if (sampler.next1() < probability) {
-                const Reflection r = reflect(hit, lobe, probability, sampler, rays);
+                const Reflection r = reflect(hit, lobe, probability, sampler, rays, ofLights);
                 add(r.lights, depth + 1);
-                for (const DirectLight::Reflected& light : r.ofLights) note(light.component, light.radiance, depth + 1);
+                noteAll(depth + 1);
                 throughput *= r.throughput;
                 if (throughput == vec3(0.0f)) break;
                 direction = r.direction;

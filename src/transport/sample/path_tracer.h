@@ -78,11 +78,11 @@ public:
                       uint64_t& rays, const RadianceLookup& lookup = {}, std::vector<vec3>* byBounce = nullptr,
                       PathLights* lights = nullptr) const;
 
+    /// Radiance of a sampled punctual light, of an emitter and of the sky.
+    using SampledLights = std::array<DirectLight::Reflected, 3>;
     /// What a specular lobe sends back along the ray that has hit it.
     struct Reflection {
         vec3 lights{0.0f}; ///< radiance of sampled lights
-        /// The same of a punctual light, an emitter and the sky.
-        std::array<DirectLight::Reflected, 3> ofLights;
         vec3 throughput{0.0f};
         vec3 direction{0.0f}; ///< of the ray that goes on
         float pdf = 0.0f;     ///< of the direction, per steradian
@@ -92,18 +92,14 @@ public:
     /// One sample of the lobe of a hit, over `probability`, that with which the lobe is sampled. Light that arrives is
     /// throughput times the radiance along the next ray, where emission of surfaces has the weight of
     /// weightedEmission(). The ray goes on by Russian roulette.
+    /// `ofLights`, if given, receives the parts of the sampled lights.
     Reflection reflect(const SurfaceHit& hit, const SpecularLobe& lobe, float probability, Sampler& sampler,
-                       uint64_t& rays) const;
+                       uint64_t& rays, SampledLights* ofLights = nullptr) const;
 
 private:
-    /// Radiance of sampled lights that the diffuse part of a surface reflects: of all, and where `components` are asked
-    /// for of a punctual light, an emitter and the sky.
-    struct DiffuseReflection {
-        vec3 lights{0.0f};
-        std::array<DirectLight::Reflected, 3> ofLights;
-    };
-    DiffuseReflection reflectDiffusely(const SurfacePoint& point, vec3 albedo, bool components, Sampler& sampler,
-                                       uint64_t& rays) const;
+    /// Radiance of sampled lights that the diffuse part of a surface reflects. `ofLights` as of reflect().
+    vec3 reflectDiffusely(const SurfacePoint& point, vec3 albedo, Sampler& sampler, uint64_t& rays,
+                          SampledLights* ofLights) const;
     /// Notes the components of what `lookup` has found. `before`: reflections up to the path's start.
     void noteCached(const RadianceLookup& lookup, const RayEnd& end, int reflections, vec3 throughput, int before,
                     PathLights& lights) const;
