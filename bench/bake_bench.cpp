@@ -74,7 +74,7 @@ void partGather(const Options& options)
                 for (std::size_t g = begin * kRun; g < end * kRun; g += kLanes) {
                     const GatherGroup group(paths, p.map, std::span(&chosen[g], kLanes));
                     std::array<TexelEstimate, kLanes> estimates;
-                    gather.add(group, 0, 4, estimates, rays);
+                    gather.add(group, 0, 4, {estimates, {}}, rays);
                 }
                 total += rays;
             });

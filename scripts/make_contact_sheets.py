@@ -272,6 +272,17 @@ def coloured_glass(s):
     s.render("the film is not tinted: alpha is coverage", grey)
 
 
+def light_groups(s):
+    """S33: one bake of five light groups in four states, the last path traced too."""
+    baked = s.bake("tests/light_groups.glb", "--quality", "medium", "--lightmap-size", "512")
+    s.render("one bake: sun, sky, neon strips, red lamp", baked)
+    s.render("no sun, a dim sky", baked, "--group", "sun=0", "--group", "day=0.02")
+    off = [part for name in ("sun", "day", "west", "east") for part in ("--group", f"{name}=0")]
+    s.render("the lamp alone, at four times its light", baked, *off, "--group", "lamp=4,0.4,0.2")
+    s.render("the lamp alone, white", baked, *off, "--group", "lamp=4")
+    s.render("the same path traced", baked, *off, "--group", "lamp=4", "--reference", "192")
+
+
 def directional_lightmap(s):
     """S32: a normal map under baked light alone, a warm panel on the left and a blue lamp on the right."""
     baked = s.bake("tests/bumpy_wall.glb", "--quality", "high", "--lightmap-size", "1024", "--directional", "on")
@@ -296,7 +307,7 @@ def debug_views(s):
 
 
 SHEETS = (shadow_fade, cascades, shadowmask, distance_shadowmask, four_lights, point_masks, probes, proxy_volumes, instances, subtractive,
-          switches, forward_deferred, overflow, thirteen_lights, coloured_glass, directional_lightmap, debug_views)
+          switches, forward_deferred, overflow, thirteen_lights, coloured_glass, light_groups, directional_lightmap, debug_views)
 
 
 def main():

@@ -156,6 +156,29 @@ def coloured_glass():
     return doc
 
 
+def light_groups():
+    """Two rooms with a window each: sun and sky are light groups, and so are a lamp and the strips of each room, of one material."""
+    doc = document("light_groups", ("white", "red", "grey"), ([2.0, 2.6, 4.0], [2.4, 2.6, 3.0], [0.6, 0.5, 0.4]))
+    doc.material("neon", (0.1, 0.1, 0.1), 1.0, emissive=(1.0, 0.73, 0.47), strength=30.0)
+    shell = [m.box(-4.2, -0.2, -2.2, 4.2, 0, 2.2), m.box(-4.2, 2.6, -2.2, 4.2, 2.8, 2.2), m.box(-4.2, 0, -2.2, 4.2, 2.6, -2),
+             m.box(-4.2, 0, -2, -4, 2.6, 2.2), m.box(4, 0, -2, 4.2, 2.6, 2.2), m.box(-0.1, 0, -2, 0.1, 2.6, 2)]
+    shell += [m.box(a, y, 2, b, top, 2.2) for a, b, y, top in
+              ((-4, 4, 0, 0.8), (-4, 4, 2.2, 2.6), (-4, -3, 0.8, 2.2), (-1.6, 1.6, 0.8, 2.2), (3, 4, 0.8, 2.2))]
+    for i, wall in enumerate(shell):
+        doc.node(f"wall_{i}", doc.mesh(f"wall_{i}", [(wall, "red" if i == 5 else "white", 1.0)]) or f"wall_{i}")
+    doc.mesh("strip", [(m.box(-0.6, -0.03, -0.05, 0.6, 0.03, 0.05), "neon", 1.0)])
+    doc.mesh("post", [(m.box(-0.3, 0, -0.3, 0.3, 1.0, 0.3), "grey", 1.0)])
+    for room, x in (("west", -2.1), ("east", 2.1)):
+        doc.node(f"strip_{room}", "strip", (x, 2.0, -1.93), extras={"halflight_group": room})
+        doc.node(f"post_{room}", "post", (x + 0.6, -0.005, -0.4))
+    doc.light("lamp", "point", (1.0, 0.1, 0.05), 6.0, (-3.2, 1.6, 0.6), None, cone_range=6.0, extras={**MIXED, "halflight_group": "lamp"})
+    doc.light("candle", "point", (1.0, 0.7, 0.4), 0.3, (3.2, 0.6, -1.2), cone_range=5.0, extras={"halflight_mode": "baked"})
+    doc.light("sun", "directional", (1, 0.95, 0.85), 40.0, (3, 5, 6), (0, 0, 0), extras={"halflight_mode": "baked", "halflight_group": "sun"})
+    doc.camera("main", (-0.5, 1.7, 1.7), (-2.9, 0.8, -1.2), 75)
+    doc.json["scenes"][0]["extras"]["halflight_sky_group"] = "day"
+    return doc
+
+
 def sphere_on_floor():
     """A static and a dynamic sphere side by side on a floor under a mixed sun: the same shadow, one baked, one realtime."""
     doc = document("sphere_on_floor", ("white", "red"), ([0.2, 0.3, 0.5], [0.5, 0.5, 0.5], [0.1, 0.1, 0.1]))
@@ -373,5 +396,5 @@ def instances_1023():
 
 
 if __name__ == "__main__":
-    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, thirteen_lights, coloured_glass, sphere_on_floor, area_lights, two_rooms, proxy_volume,
+    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, thirteen_lights, coloured_glass, light_groups, sphere_on_floor, area_lights, two_rooms, proxy_volume,
                                 avenue, four_lights, probe_hall, instances_1023, bumpy_wall, sheets))

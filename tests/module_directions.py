@@ -97,7 +97,7 @@ SUFFIXES = {".h", ".hpp", ".inl", ".cpp", ".cc"}
 
 def module_of(parts):
     """Module that a path inside src/ or include/halflight/ belongs to, None when it names none."""
-    if parts[:2] in (("render", "frame"), ("render", "frame.h"), ("render", "probes.h")):
+    if parts[:2] in (("render", "frame"), ("render", "frame.h"), ("render", "probes.h"), ("render", "compose.h")):
         return "render/frame"
     return parts[0] if len(parts) > 1 and parts[0] in ALLOWED else None
 

@@ -90,6 +90,9 @@ std::string contradiction(const CLI::App& app, const BakeOptions& options)
         return "--lightmap-format webp needs a build with libwebp, and this one has none";
     if (!options.bake.only.empty() && options.bake.cacheDirectory.empty())
         return "--only needs --cache, with the last bake of all objects";
+    const bool forOthers = options.exportStyle || !options.sidecarDirectory.empty();
+    if (forOthers && app.count("--groups") > 0 && options.bake.groups != GroupChoice::Off)
+        return "exports and sidecars hold no light groups, so --groups does not go with them";
     return exportContradiction(app, options);
 }
 
@@ -108,6 +111,7 @@ Status writeOutput(const BakeOptions& options, bool isFormatGiven, BakeResult& r
     WriteOptions write = options.write;
     write.written = &result.report.written;
     write.irradiance = result.irradiance;
+    write.groupIrradiance = result.groupIrradiance;
     write.progress = progress;
     write.mayReplace = commitOutput;
     if (Status status = writeBakedScene(options.output, result.baked, write); !status) return status;
@@ -171,6 +175,8 @@ int runBake(const CLI::App& app, const BakeOptions& given)
     const auto began = std::chrono::steady_clock::now();
     // A sidecar is for readers that know four channels.
     if (!options.sidecarDirectory.empty() && app.count("--mask-layers") == 0) options.bake.mostMaskLayers = 1;
+    // Readers of exports and sidecars know no groups: they get the lights as they are.
+    if (options.exportStyle || !options.sidecarDirectory.empty()) options.bake.groups = GroupChoice::Off;
     const std::string extension = lowerExtension(options.output);
     std::filesystem::path culprit;
     if (Status status = checkBakePaths(options, culprit); !status) return fail(culprit, status.error());

@@ -86,6 +86,10 @@ void addResults(CLI::App& app, BakeOptions& options)
                            "nothing else (default refined)");
     addChoice<bool>(app, "--reflection-probes", bake.reflectionProbes, {{"on", true}, {"off", false}},
                     "pictures of the rooms for glossy surfaces to reflect (default on)");
+    addChoice<GroupChoice>(app, "--groups", bake.groups,
+                           choicesOf({GroupChoice::Authored, GroupChoice::Each, GroupChoice::Off}),
+                           "light groups, whose light the file holds by itself: as the scene names them, each light "
+                           "and emissive material alone, or none (default authored)");
     addVec3(app, "--sky", options.skyNits, 0.0f, 1.0e6f, "R,G,B",
             "radiance of a uniform sky in nits, instead of the scene's own")
         ->each([&options](const std::string&) { options.skyGiven = true; });

@@ -32,6 +32,7 @@ Command addFarmCommand(CLI::App& parent);
 Command addRenderCommand(CLI::App& parent);
 Command addInfoCommand(CLI::App& parent);
 Command addOptimizeCommand(CLI::App& parent);
+Command addComposeCommand(CLI::App& parent);
 
 /// All commands and options, with what --help says of them, as JSON.
 std::string describeCommandLine(const CLI::App& program, std::string_view version);

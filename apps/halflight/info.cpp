@@ -83,6 +83,51 @@ Json jsonOf(const Light& light)
     return json;
 }
 
+/// Light groups with their members.
+Json groupsJson(const BakedScene& baked)
+{
+    Json groups = Json::array();
+    for (std::size_t g = 0; g < baked.groups.size(); ++g) {
+        const BakedGroup& group = baked.groups[g];
+        Json lights = Json::array();
+        Json materials = Json::array();
+        for (const Light& light : baked.scene.lights)
+            if (light.baking.group == int(g)) lights.push_back(light.name);
+        for (const Material& material : baked.scene.materials)
+            if (material.bakedGroup == int(g)) materials.push_back(material.name);
+        const auto lit = std::ranges::count_if(group.lightmaps, [](const auto& page) { return !page.empty(); });
+        groups.push_back({{"name", group.name},
+                          {"weight", jsonArray(group.weight)},
+                          {"peakLux", group.peakLux},
+                          {"pages", lit},
+                          {"lights", lights},
+                          {"materials", materials},
+                          {"sky", group.sky}});
+    }
+    return groups;
+}
+
+void printGroups(const BakedScene& baked)
+{
+    if (baked.groups.empty()) return;
+    std::size_t width = 11;
+    for (const BakedGroup& group : baked.groups) width = std::max(width, printable(group.name).size());
+    print("\n{:<{}}  {:<18}  {:<9}  {}\n", "light group", width, "weight", "peak", "members");
+    const Json groups = groupsJson(baked);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const BakedGroup& group = baked.groups[g];
+        std::string members;
+        for (const char* kind : {"lights", "materials"})
+            for (const Json& name : groups[g][kind])
+                members += (members.empty() ? "" : ", ") + printable(name.get<std::string>());
+        if (group.sky) members += members.empty() ? "the sky" : ", the sky";
+        const std::string weight =
+            fmt::format("{:.3g}, {:.3g}, {:.3g}", group.weight.x, group.weight.y, group.weight.z);
+        print("{:<{}}  {:<18}  {:<9}  {}\n", printable(group.name), width, weight,
+              fmt::format("{:.3g} lx", group.peakLux), members);
+    }
+}
+
 Json infoJson(const InfoOptions& options, const BakedScene& baked)
 {
     const Scene& scene = baked.scene;
@@ -136,6 +181,7 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
                       {"valid", counts.validProbes},
                       {"grid", Json::array({baked.probes.size.x, baked.probes.size.y, baked.probes.size.z})},
                       {"spacingMeters", jsonArray(baked.probes.spacingMeters)}};
+    if (!baked.groups.empty()) json["groups"] = groupsJson(baked);
     json["lost"] = baked.lost;
     json["warnings"] = scene.warnings;
     return json;
@@ -213,6 +259,7 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
         print("\n");
     }
     if (!scene.lights.empty()) printLights(scene.lights);
+    printGroups(baked);
 }
 
 int runInfo(const InfoOptions& options)

@@ -97,15 +97,15 @@ std::vector<Command> addCommands(CLI::App& app, [[maybe_unused]] const std::vect
                                  [[maybe_unused]] OpenWindow openWindow)
 {
 #if !HALFLIGHT_GPU
-    return {addBakeCommand(app), addInfoCommand(app), addOptimizeCommand(app)};
+    return {addBakeCommand(app), addInfoCommand(app), addOptimizeCommand(app), addComposeCommand(app)};
 #else
     const auto view = [&arguments, openWindow](const ViewCommandOptions& options) {
         if (openWindow != nullptr) return openWindow(options);
         return startWindowProgram(options,
                                   {std::find(arguments.begin(), arguments.end(), "view") + 1, arguments.end()});
     };
-    return {addBakeCommand(app),       addFarmCommand(app), addRenderCommand(app),
-            addViewCommand(app, view), addInfoCommand(app), addOptimizeCommand(app)};
+    return {addBakeCommand(app), addFarmCommand(app),     addRenderCommand(app), addViewCommand(app, view),
+            addInfoCommand(app), addOptimizeCommand(app), addComposeCommand(app)};
 #endif
 }
 

@@ -302,8 +302,11 @@ int runRender(RenderOptions options)
     ReadOptions readOptions;
     readOptions.settingsFile = options.settingsFile;
     readOptions.emissionUnit = options.emissionUnit;
-    const Result<BakedScene> baked = readBakedScene(options.file, readOptions);
+    Result<BakedScene> baked = readBakedScene(options.file, readOptions);
     if (!baked) return fail(options.file, baked.error());
+    const Result<std::vector<vec3>> weights = groupWeights(*baked, options.groups);
+    if (!weights) return fail(options.file, weights.error());
+    composeGroups(*baked, *weights);
     addExternalFiles(files, externalFiles(baked->scene));
     if (Status status = files.check(culprit); !status) return fail(culprit, status.error());
     std::vector<std::string> warnings;

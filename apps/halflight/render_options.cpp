@@ -75,6 +75,9 @@ void addPictureOptions(CLI::App& app, RenderOptions& options, const std::string&
         ->type_size(1)
         ->allow_extra_args(false)
         ->type_name("NAME:KEY=VALUE,…");
+    addGroups(app, options.groups,
+              "weight of one of the bake's light groups, one number or three for red, green and blue (default: as the "
+              "file has it); may be repeated");
     const auto checkSize = [](std::string& text) {
         ivec2 ignored;
         if (parseSize(text, ignored)) return std::string();

@@ -3,6 +3,7 @@
 
 #include "camera.h"
 #include "console.h"
+#include "group_option.h"
 #include "light_override.h"
 
 #include "halflight/bake/integrator.h"
@@ -24,6 +25,7 @@ struct RenderOptions {
     int samples = 0; ///< of a pixel: 0 = not given
     RendererOptions device;
     std::vector<LightOverride> lights;
+    std::vector<GroupWeight> groups;
     bool shadowDistanceGiven = false; ///< else it follows from the view
     int cascades = 0;                 ///< 0 = not given
     std::vector<float> cascadeSplits; ///< empty = not given

@@ -3,6 +3,7 @@
 #include "bake/cache/cached_integrator.h"
 #include "bake/denoise/denoise.h"
 #include "bake/first_stages.h"
+#include "bake/group_stages.h"
 #include "bake/lights/main_light.h"
 #include "bake/live/live_light.h"
 #include "bake/pages/dilate.h"
@@ -36,14 +37,17 @@ namespace {
 
 /// Estimates of all texels; in subtractive bakes also the main light's mask and direct light.
 Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::unique_ptr<PreparedLightmap> lightmap,
-                     std::vector<IrradianceEstimate>& estimates, std::optional<MainLight>& main)
+                     std::vector<IrradianceEstimate>& estimates, std::vector<IrradianceEstimate>& components,
+                     std::optional<MainLight>& main)
 {
     BakeReport& report = run.report();
     Integrator& integrator = cached.integrator;
     StageTimer timer(report, "lightmap");
     const uint64_t earlier = integrator.raysTraced();
     const Status status = run.live != nullptr ? run.live->irradiance(cached, *lightmap, estimates, run.progress)
-                                              : cached.irradiance(*lightmap, estimates, run.progress);
+                          : run.components.count > 0
+                              ? traceComponents(cached, *lightmap, estimates, components, run.progress)
+                              : cached.irradiance(*lightmap, estimates, run.progress);
     if (!status) return status;
     lightmap.reset(); // what the texels have in common
     timer.finish(integrator.raysTraced() - earlier);
@@ -195,6 +199,7 @@ Status probeStage(const BakeRun& run, const CachedIntegrator& cached)
     Result<BakedProbes> probes = bakeProbes(baked.scene, run.settings.probeSpacingMeters, run.settings.probeLayout,
                                             cached.settings.cache.denoised, cached, report.warnings, run.progress);
     if (!probes) return probes.error();
+    addLayersOfComponents(*probes);
     baked.probes = std::move(probes->set);
     if (addProbeLayers(baked.probes) && run.settings.probeLayout == ProbeLayout::Grid)
         report.warnings.push_back(
@@ -204,6 +209,7 @@ Status probeStage(const BakeRun& run, const CachedIntegrator& cached)
     if (!sight) return sight.error();
     baked.probes.sight = std::move(*sight);
     report.probeCheck = checkProbes(baked, *probes, report.warnings);
+    keepComponentsOfProbes(*probes, baked);
     report.probeCount = int(baked.probes.probes.size());
     report.validProbeCount = int(
         std::count_if(baked.probes.probes.begin(), baked.probes.probes.end(), [](const Probe& p) { return p.valid; }));
@@ -211,14 +217,18 @@ Status probeStage(const BakeRun& run, const CachedIntegrator& cached)
     return {};
 }
 
+/// Of the scene's own light.
 Status reflectionStage(const BakeRun& run, const CachedIntegrator& cached)
 {
     if (!run.settings.reflectionProbes) return {};
+    const std::vector<ImageRgb32f> composed =
+        run.result.groupIrradiance.empty() ? std::vector<ImageRgb32f>() : composedPages(run.result);
     BakeReport& report = run.report();
     StageTimer timer(report, "reflection probes");
     const uint64_t before = cached.integrator.raysTraced();
-    if (Status s = bakeReflections(run.baked(), cached, run.result.irradiance, report.quality.reflectionSize,
-                                   report.warnings, run.progress);
+    const std::vector<ImageRgb32f>& pages = run.result.groupIrradiance.empty() ? run.result.irradiance : composed;
+    if (Status s =
+            bakeReflections(run.baked(), cached, pages, report.quality.reflectionSize, report.warnings, run.progress);
         !s)
         return s;
     report.reflectionProbeCount = int(run.baked().reflections.probes.size());
@@ -247,14 +257,19 @@ public:
             pages_.wait();
             if (Status s = chooseSamples(run_, began_, cached_, *lightmap_); !s) return s;
         }
-        if (Status s = lightmapStage(run_, cached_, std::move(lightmap_), estimates_, main_); !s) return s;
+        if (Status s = lightmapStage(run_, cached_, std::move(lightmap_), estimates_, components_, main_); !s) return s;
         if (!timed)
             if (Status s = findSeams(); !s) return s;
-        if (Status s = denoiseStage(run_, cached_, seams_, denoiser_, estimates_); !s) return s;
+        const bool grouped = run_.components.count > 0;
+        if (!grouped)
+            if (Status s = denoiseStage(run_, cached_, seams_, denoiser_, estimates_); !s) return s;
         // Pages are made in the background while others trace: to make seams equal takes one thread a while.
         Status made;
         Status traced;
-        pages_.run([&] { made = lightmapPagesStage(run_, cached_, estimates_, valid_, main_, seams_, pagesReport_); });
+        pages_.run([&] {
+            made = grouped ? componentPagesStage(run_, cached_, components_, valid_, seams_, pagesReport_)
+                           : lightmapPagesStage(run_, cached_, estimates_, valid_, main_, seams_, pagesReport_);
+        });
         if (!timed) inIsolation([&] { traced = masksAndProbes(); });
         pages_.wait();
         if (!traced) return traced;
@@ -295,7 +310,7 @@ private:
                                               std::span(baked.maskChannels).first<kLayerChannels>());
             reportMainLight(baked, *main_, run_.settings, report);
         }
-        return reflectionStage(run_, cached_);
+        return {};
     }
 
     const BakeRun& run_;
@@ -303,6 +318,7 @@ private:
     const DeviceDenoiser& denoiser_;
     double began_;
     std::unique_ptr<PreparedLightmap> lightmap_; ///< of the time before the lightmap
+    std::vector<IrradianceEstimate> components_; ///< by texel and component, of bakes with light groups
     std::vector<IrradianceEstimate> estimates_ = largeVector<IrradianceEstimate>(cached_.map.texels.size());
     std::vector<uint8_t> valid_;
     std::vector<SeamSample> seams_;
@@ -310,6 +326,19 @@ private:
     BakeReport pagesReport_; ///< of the background, which must not write to the bake's own
     Background pages_;       ///< ends before what it works on
 };
+
+/// Gives the scene its own light in place of white groups, and an integrator of it.
+Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages)
+{
+    if (grouping.groups.empty()) return {};
+    finishGroups(grouping, run.baked());
+    if (!run.settings.reflectionProbes) return {};
+    stages.integration.components = {};
+    auto integrator = factory.make(run.baked().scene, stages.geometry, stages.integration);
+    if (!integrator) return integrator.error();
+    stages.integrator = std::move(*integrator);
+    return {};
+}
 
 } // namespace
 
@@ -344,7 +373,15 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     BakeResult result;
     BakeReport& report = result.report;
     FileGroup images;
-    const BakeRun run{settings, progress, result, live, &images};
+    for (Material& material : scene.materials) material.bakedGroup = -1; // of an earlier bake
+    Result<LightGrouping> grouping = groupLights(scene, live == nullptr ? settings.groups : GroupChoice::Off);
+    if (!grouping) return grouping.error();
+    if (Status s = checkGroups(settings, *grouping); !s) return s.error();
+    const BakeRun run{settings, progress, result, live, &images, componentsOf(*grouping)};
+    grouping->exchange(scene);
+    for (std::size_t g = 0; g < grouping->groups.size(); ++g)
+        result.baked.groups.push_back(
+            {grouping->groups[g].name, grouping->groups[g].weight, grouping->ofSky == int(g)});
     FirstStages firstStages;
     if (Status status = prepareTexels(run, std::move(scene), integratorFactory, CacheUse{}, firstStages); !status)
         return status.error();
@@ -355,6 +392,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     const CachedIntegrator cached = firstStages.cached();
     if (Status status = TraceStages(run, cached, integratorFactory.denoise, began).trace(); !status)
         return status.error();
+    if (Status status = withOwnLight(run, *grouping, integratorFactory, firstStages); !status) return status.error();
+    if (Status status = reflectionStage(run, firstStages.cached()); !status) return status.error();
 
     if (cache) {
         cache->finish();

@@ -236,6 +236,7 @@ Status prepareTexels(const BakeRun& run, Scene scene, const IntegratorFactory& f
     if (kept)
         for (std::string& note : moveFoldersAway(*kept)) firstStages.notes.push_back(std::move(note));
     firstStages.integration = integrationSettings(run.settings, report.quality);
+    firstStages.integration.components = run.components;
     if (run.live != nullptr) {
         Status shown = run.live->beginWithProbes(scene, run.settings, factory, firstStages.integration, run.progress);
         if (!shown) return shown;

@@ -23,8 +23,9 @@ struct BakeRun {
     const BakeSettings& settings;
     const Progress& progress;
     BakeResult& result;
-    LiveLight* live = nullptr;   ///< of a bake in the background
-    FileGroup* images = nullptr; ///< of BakeSettings::imagesDirectory
+    LiveLight* live = nullptr;       ///< of a bake in the background
+    FileGroup* images = nullptr;     ///< of BakeSettings::imagesDirectory
+    LightComponents components = {}; ///< of bakes with light groups
 
     [[nodiscard]] BakedScene& baked() const { return result.baked; }
     [[nodiscard]] BakeReport& report() const { return result.report; }

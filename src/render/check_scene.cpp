@@ -69,6 +69,7 @@ Status checkScene(const BakedScene& baked)
         if (light.baking.occlusionMaskChannel < -1 ||
             light.baking.occlusionMaskChannel >= baked.maskLayers * kLayerChannels)
             return broken("a shadowmask channel is outside the mask's layers", light.name);
+    if (!baked.groups.empty()) return broken("the bake has light groups: composeGroups() makes a state of it", "");
     if (baked.maskLayers < 1 || baked.maskLayers > kMostMaskLayers)
         return broken("there are not 1 to 4 mask layers", "");
 

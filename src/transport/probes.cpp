@@ -24,11 +24,14 @@ public:
         : paths_(paths), settings_(settings), samples_(samples)
     {}
 
-    ProbeEstimate trace(uint32_t id, vec3 position, uint64_t& rays) const
+    /// Coefficients of the components, or empty.
+    using Components = std::span<SphericalHarmonicsL2>;
+
+    ProbeEstimate trace(uint32_t id, vec3 position, Components components, uint64_t& rays) const
     {
         ProbeEstimate estimate;
-        gather(id, position, estimate, rays);
-        addBakedLights(id, position, estimate, rays);
+        gather(id, position, estimate, components, rays);
+        addBakedLights(id, position, estimate, components, rays);
         // Of a channel's lights at most one reaches a point.
         paths_.light().forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
             if (light.channel >= 0 && light.reaches(position))
@@ -39,8 +42,10 @@ public:
 
 private:
     /// Projects radiance along uniformly distributed directions on spherical harmonics.
-    void gather(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
+    void gather(uint32_t id, vec3 position, ProbeEstimate& estimate, Components components, uint64_t& rays) const
     {
+        const float share = 1.0f / float(samples_);
+        PathLights lights;
         std::array<vec3, 9> sum{};
         int backFaces = 0;
         RunningMoments mean; // of incoming radiance
@@ -54,10 +59,16 @@ private:
             const DirectLight::EmitterInSpace emitter =
                 paths_.direct().emitterInSpace(position, kUniformPdf, sampler, rays);
             const DirectLight::EmitterInSpace sky = paths_.direct().skyInSpace(position, sampler, rays);
-            for (const auto& light : {emitter, sky})
-                if (light.radianceOverPdf != vec3(0.0f)) add(light.direction, light.radianceOverPdf);
-            const PathTracer::Incoming in =
-                paths_.incoming({position}, direction, kUniformPdf, settings_.bounces, sampler, rays);
+            for (const auto& light : {emitter, sky}) {
+                if (light.radianceOverPdf == vec3(0.0f)) continue;
+                add(light.direction, light.radianceOverPdf);
+                addTo(components, light.component, light.radianceOverPdf * share, light.direction);
+            }
+            lights.clear();
+            const PathTracer::Incoming in = paths_.incoming({position}, direction, kUniformPdf, settings_.bounces,
+                                                            sampler, rays, components.empty() ? nullptr : &lights);
+            for (const PathLight& light : lights)
+                addTo(components, light.component, light.radiance * (share / kUniformPdf), direction);
             backFaces += in.firstHitBackFace ? 1 : 0;
             add(direction, in.radiance / kUniformPdf);
             mean.add(in.radiance + (emitter.radianceOverPdf + sky.radianceOverPdf) * kUniformPdf, vec3(0.0f));
@@ -68,8 +79,16 @@ private:
         estimate.valid = backFaces * 4 < samples_;
     }
 
+    static void addTo(Components components, int component, vec3 light, vec3 direction)
+    {
+        if (components.empty()) return;
+        SphericalHarmonicsL2& sum = components[std::size_t(component)];
+        for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += light * shading::shBasis(i, direction);
+    }
+
     /// Light of the lights that are fully baked.
-    void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
+    void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, Components components,
+                        uint64_t& rays) const
     {
         std::vector<uint32_t> lights;
         std::vector<float> weights;
@@ -82,7 +101,7 @@ private:
         });
         const float u = unitFloat(hashCombine(settings_.seed ^ kShadowSeed, id));
         shareRays(weights, shadowSamples(), kLightsWithOwnRays, u, [&](std::size_t i, int count, float scale) {
-            addBakedLight(lights[i], count, scale, id, position, estimate, rays);
+            addBakedLight(lights[i], count, scale, id, position, estimate, components, rays);
         });
     }
 
@@ -96,12 +115,13 @@ private:
     /// A light without a size is a delta distribution of directions: its coefficients are illuminance times basis
     /// functions. Of an area light they are those of its samples.
     void addBakedLight(uint32_t index, int count, float scale, uint32_t id, vec3 position, ProbeEstimate& estimate,
-                       uint64_t& rays) const
+                       Components components, uint64_t& rays) const
     {
         const PunctualLight& light = paths_.light().lights()[index];
         const auto add = [&](vec3 illuminance, vec3 direction) {
             for (int i = 0; i < 9; ++i)
                 estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, direction);
+            addTo(components, light.component, illuminance, direction);
         };
         if (!light.isArea()) {
             const shading::LightSample sample = light.at(position);
@@ -151,13 +171,16 @@ private:
 } // namespace
 
 Status traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,
-                   std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out, const Progress& progress,
-                   std::atomic<uint64_t>& rays)
+                   std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out,
+                   std::span<SphericalHarmonicsL2> components, const Progress& progress, std::atomic<uint64_t>& rays)
 {
+    const std::size_t count = components.empty() ? 0 : std::size_t(paths.light().components());
+    std::ranges::fill(components, SphericalHarmonicsL2{});
     const ProbeTracer tracer(paths, settings, samples > 0 ? samples : settings.probeSamples);
     const bool finished = parallelFor(which.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
         uint64_t traced = 0;
-        for (std::size_t i = begin; i < end; ++i) out[i] = tracer.trace(which[i], positions[which[i]], traced);
+        for (std::size_t i = begin; i < end; ++i)
+            out[i] = tracer.trace(which[i], positions[which[i]], components.subspan(i * count, count), traced);
         rays += traced;
     });
     return paths.surfaces().outcome(finished);

@@ -11,9 +11,9 @@ namespace halflight {
 /// Seed of shadow rays of masks and probes.
 constexpr uint32_t kShadowSeed = 0x5eed0001u;
 
-/// As Integrator::probes().
+/// As Integrator::probes(); `components` is empty, or as of probesByComponent().
 Status traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,
-                   std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out, const Progress& progress,
-                   std::atomic<uint64_t>& rays);
+                   std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out,
+                   std::span<SphericalHarmonicsL2> components, const Progress& progress, std::atomic<uint64_t>& rays);
 
 } // namespace halflight

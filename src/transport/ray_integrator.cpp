@@ -29,8 +29,9 @@ class RayIntegrator final : public Integrator {
 public:
     RayIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings,
                   const MakeKernels& makeKernels)
-        : settings_(settings), paths_(scene, geometry, LightUse::Bake,
-                                      settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse, makeKernels),
+        : settings_(settings),
+          paths_(scene, geometry, LightUse::Bake, settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse,
+                 makeKernels, settings.components),
           pattern_(settings.seed)
     {}
 
@@ -94,7 +95,14 @@ public:
     Status probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                   std::span<ProbeEstimate> out, const Progress& progress) override
     {
-        return traceProbes(paths_, settings_, positions, which, samples, out, progress, rays_);
+        return traceProbes(paths_, settings_, positions, which, samples, out, {}, progress, rays_);
+    }
+
+    Status probesByComponent(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                             std::span<ProbeEstimate> out, std::span<SphericalHarmonicsL2> components,
+                             const Progress& progress) override
+    {
+        return traceProbes(paths_, settings_, positions, which, samples, out, components, progress, rays_);
     }
 
     Status radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
@@ -155,6 +163,12 @@ public:
 
     Status irradiance(const TexelRequest& request, std::span<IrradianceEstimate> out, const Progress& progress) override
     {
+        return irradianceByComponent(request, out, {}, progress);
+    }
+    Status irradianceByComponent(const TexelRequest& request, std::span<IrradianceEstimate> texels,
+                                 std::span<IrradianceEstimate> components, const Progress& progress) override
+    {
+        const TexelLight out{texels, components};
         if (Status s = withoutBakedLights(request, out, progress); !s || request.rough) return s;
         const ShadowPass pass{all_.paths_,        all_.pattern_,  map_,
                               all_.gridOf(map_),  request.texels, all_.shadowSamplesOf(request),
@@ -179,12 +193,15 @@ public:
 
 private:
     [[nodiscard]] bool isCached() const { return all_.settings_.integrator == IntegratorKind::Cache; }
-    Status withoutBakedLights(const TexelRequest& request, std::span<IrradianceEstimate> out, const Progress& progress)
+    Status withoutBakedLights(const TexelRequest& request, const TexelLight& out, const Progress& progress)
     {
         const int samples = request.samples > 0 ? request.samples : all_.settings_.samples;
-        if (isCached() && !request.rough) return cached_.irradiance(request.texels, samples, out, progress, all_.rays_);
-        const auto trace = request.rough ? traceRoughLightmap : tracePathLightmap;
-        return trace(all_.paths_, all_.settings_, map_, request.texels, samples, out, progress, all_.rays_);
+        if (request.rough)
+            return traceRoughLightmap(all_.paths_, all_.settings_, map_, request.texels, samples, out.texels, progress,
+                                      all_.rays_);
+        if (isCached())
+            return cached_.irradiance(request.texels, samples, out.texels, out.components, progress, all_.rays_);
+        return tracePathLightmap(all_.paths_, all_.settings_, map_, request.texels, samples, out, progress, all_.rays_);
     }
 
     RayIntegrator& all_;

@@ -133,7 +133,8 @@ TEST(Schemas, RangesAreThoseOfTheReader)
     std::size_t compared = 0;
     for (const auto& [name, place] : {std::pair("HALFLIGHT_mixed_lighting", "extensions/HALFLIGHT_mixed_lighting"),
                                       std::pair("HALFLIGHT_node", "nodes/*/extensions/HALFLIGHT_node"),
-                                      std::pair("HALFLIGHT_light", "nodes/*/extensions/HALFLIGHT_light")}) {
+                                      std::pair("HALFLIGHT_light", "nodes/*/extensions/HALFLIGHT_light"),
+                                      std::pair("HALFLIGHT_material", "materials/*/extensions/HALFLIGHT_material")}) {
         std::ifstream stream(std::string(HALFLIGHT_SOURCE_DIR) + "/docs/schemas/" + name + ".schema.json");
         const Json root = Json::parse(stream);
         std::map<std::string, Json> numbers;

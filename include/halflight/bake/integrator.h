@@ -108,6 +108,15 @@ enum class InstructionSet { Automatic, Sse2, Avx2, Avx512 };
 /// As --isa has it.
 const char* nameOf(InstructionSet set);
 
+/// Sources of light by component: the rest, which is component 0, and light groups from 1 on (spec S33). Estimates of
+/// components add up to those of the sum.
+struct LightComponents {
+    int count = 0;               ///< 0: light is estimated as one
+    std::vector<int> ofLight;    ///< by Scene::lights
+    std::vector<int> ofMaterial; ///< by Scene::materials: of emission
+    int ofSky = 0;
+};
+
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
     InstructionSet isa = InstructionSet::Automatic;
@@ -127,6 +136,7 @@ struct IntegrationSettings {
     uint32_t seed = 1;
     bool fewRays = false; ///< what takes long to build, but pays off only with many rays, is left out
     CacheSettings cache;
+    LightComponents components;
 };
 
 /// Lightmap value of one texel, with the statistics for the denoiser.
@@ -192,6 +202,10 @@ public:
     /// subtractive's main light is not included; bakeMainLight() derives it from the mask.
     virtual Status irradiance(const TexelRequest& request, std::span<IrradianceEstimate> out,
                               const Progress& progress) = 0;
+    /// The same with the estimates of each component: that of component c at the request's texel i is
+    /// components[i * LightComponents::count + c]. Unsupported by integrators without components.
+    virtual Status irradianceByComponent(const TexelRequest& request, std::span<IrradianceEstimate> out,
+                                         std::span<IrradianceEstimate> components, const Progress& progress);
     /// Computes now what irradiance() else computes when it first needs it.
     virtual Status prepareAll(const Progress& progress) = 0;
     /// The parts of prepareAll() that farm workers share, without what each would do by itself with them.
@@ -229,6 +243,12 @@ public:
     /// IntegrationSettings::probeSamples).
     virtual Status probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                           std::span<ProbeEstimate> out, const Progress& progress) = 0;
+
+    /// The same with the radiance of each component: that of component c at position i is
+    /// components[i * LightComponents::count + c]. Unsupported by integrators without components.
+    virtual Status probesByComponent(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                                     std::span<ProbeEstimate> out, std::span<SphericalHarmonicsL2> components,
+                                     const Progress& progress);
 
     /// Radiance that arrives at a point from all sides: emission, the sky, and what static surfaces reflect of the
     /// lightmap and of mixed lights; with IntegrationSettings::glossyBounces by their specular lobes too. `lightmap`:

@@ -77,6 +77,20 @@ struct MaskChannel {
     float penumbraTexels = 0.0f; ///< mean width of the penumbra, for channels that hold distances
 };
 
+/// Light of a group by itself, at the weight 1 (spec S33). Members name their group: BakingOutput::group,
+/// Material::bakedGroup.
+struct BakedGroup {
+    std::string name;
+    vec3 weight{1.0f};    ///< by channel, with which the light is added; that of the scene's lights as they are
+    bool sky = false;     ///< the sky is a member
+    float peakLux = 0.0f; ///< of the brightest channel of a texel
+    float unitLux = 1.0f;
+    /// As BakedScene::lightmaps, in units of `unitLux`, and lightmapDirections; pages without light have no texels.
+    std::vector<Image<uint32_t>> lightmaps;
+    std::vector<ImageRgba8> directions;
+    std::vector<SphericalHarmonicsL2> radiance; ///< by probe
+};
+
 /// Result of a bake and input of the renderer.
 struct BakedScene {
     /// Objects carry their lightmap binding, parts their lightmapUv, lights their baking output.
@@ -103,6 +117,9 @@ struct BakedScene {
     vec3 defaultShadowColor{0.0f};
     ProbeSet probes;
     ReflectionSet reflections;
+    /// Groups whose light is not in lightmaps and probes, which then hold the rest. The reflection probes have all
+    /// light at the weights of the bake. composeGroups() adds them.
+    std::vector<BakedGroup> groups;
     /// What a tool dropped of the bake since it was written, as phrases; scene.warnings has them as sentences.
     std::vector<std::string> lost;
 };

@@ -39,6 +39,7 @@ struct WriteOptions {
     /// The lightmaps before they became RGB9E5, lux (BakeResult::irradiance): what half floats are made of, and what
     /// errors are measured against. Empty: BakedScene::lightmaps.
     std::span<const ImageRgb32f> irradiance;
+    std::span<const std::vector<ImageRgb32f>> groupIrradiance; ///< the same of groups (BakeResult::groupIrradiance)
     int skyWidth = 512; ///< texels in a row of the sky's picture; no more than it has
     std::string generator = "Halflight";
     WrittenBytes* written = nullptr; ///< receives the sizes of what was written; may be null

@@ -47,6 +47,9 @@ constexpr float kNoAttenuation = std::numeric_limits<float>::infinity();
 struct Material {
     enum class AlphaMode { Opaque, Mask, Blend };
     std::string name;
+    std::string group;    ///< light group of its emission (light_groups.h); empty = none
+    int bakedGroup = -1;  ///< index into BakedScene::groups, -1 = none
+    vec3 whiteNits{0.0f}; ///< of a member of a group, emission at the weight 1
     vec4 baseColor{1.0f}; ///< linear, times texture and vertex colour
     TextureRef baseColorTexture;
     float metallic = 1.0f;

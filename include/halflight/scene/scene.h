@@ -158,6 +158,8 @@ struct BakingOutput {
     float reachMeters = 0.0f;
     float outerConeRadians = kPi / 2.0f; ///< spot: half angle at bake time; B is 1 outside of it
     LightAtBake atBake;
+    int group = -1;   ///< index into BakedScene::groups, -1 = none
+    vec3 white{0.0f}; ///< of a member of a group, colour times intensity at the weight 1
 };
 
 constexpr float kMaxShadowBias = 100.0f; ///< of a light's own depth bias and slope bias
@@ -173,6 +175,7 @@ struct ShadowBias {
 
 struct Light {
     std::string name;
+    std::string group; ///< light group (light_groups.h); empty = none
     LightType type = LightType::Point;
     vec3 color{1.0f};
     /// Candela (point, spot) or lux (directional), as in KHR_lights_punctual; of area lights the radiance of their
@@ -252,6 +255,7 @@ struct Sky {
     std::shared_ptr<const ImageRgb32f> picture;
     float rotationRadians = 0.0f; ///< of the picture about +Y, by the right-hand rule
     bool pictureOfBake = false;   ///< the picture is the small one that an earlier bake kept in the file
+    std::string group;            ///< light group (light_groups.h); empty = none
 
     /// A picture with finite values of 0 and more, at least one texel.
     void setPicture(std::shared_ptr<const ImageRgb32f> radiance, float rotation);
@@ -314,6 +318,12 @@ bool farFromOrigin(const Scene& scene);
 const Material& defaultMaterial();
 /// The part's material, the default one where it has none.
 const Material& materialOf(const Scene& scene, const MeshPart& part);
+
+/// Index of the part's material in the glTF file's "materials", or -1.
+inline int sourceMaterialOf(const Scene& scene, const MeshPart& part)
+{
+    return part.material < 0 ? -1 : scene.materials[std::size_t(part.material)].sourceMaterial;
+}
 
 /// Whether both sides of the part are seen.
 bool isDoubleSided(const Scene& scene, const MeshPart& part);

@@ -25,9 +25,10 @@ struct WrittenBytes {
     uint64_t lightmapDirections = 0;
     uint64_t shadowmasks = 0;
     uint64_t probes = 0;
-    uint64_t sky = 0;         ///< its picture
-    uint64_t reflections = 0; ///< picture of the reflection probes
-    uint64_t file = 0;        ///< all of it, the scene's own data included
+    uint64_t sky = 0;             ///< its picture
+    uint64_t reflections = 0;     ///< picture of the reflection probes
+    std::vector<uint64_t> groups; ///< of each light group: pages, directions and probes
+    uint64_t file = 0;            ///< all of it, the scene's own data included
     LightmapFormat lightmapFormat = LightmapFormat::Rgb9e5;
     std::vector<WrittenLightmap> lightmapPages;
 };

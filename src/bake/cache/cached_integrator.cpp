@@ -55,8 +55,8 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
                                   noiseTarget, texelStep, seconds, clock, isa, uvMode, texelsPerMeter, lightmapSize,
                                   paddingTexels, twoSided, denoiser, directional, maskEncoding, mostMaskLayers,
-                                  subtractiveMask, probeSpacingMeters, probeLayout, reflectionProbes, threads, seed,
-                                  imagesDirectory, cacheDirectory, mixedIdentities, only] = settings;
+                                  subtractiveMask, probeSpacingMeters, probeLayout, reflectionProbes, groups, threads,
+                                  seed, imagesDirectory, cacheDirectory, mixedIdentities, only] = settings;
     const BakeQuality q = qualityOf(settings, scene);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
@@ -74,7 +74,7 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
         .add(int(subtractiveMask))
         .add(probeSpacingMeters)
         .add(int(probeLayout));
-    hasher.add(int(reflectionProbes)).add(q.reflectionSize);
+    hasher.add(int(reflectionProbes)).add(q.reflectionSize).add(int(groups));
     return hasher.add(seed).hash();
 }
 
@@ -213,6 +213,12 @@ Status CachedIntegrator::fillShadowmasks(int layers, std::span<const std::size_t
     for (int layer = 0; layer < layers; ++layer)
         if (Status s = cache->fill(shadowmaskWork(layer), parts, progress); !s) return s;
     return {};
+}
+
+Status CachedIntegrator::probesByComponent(std::span<const vec3> positions, std::span<ProbeEstimate> out,
+                                           std::span<SphericalHarmonicsL2> components, const Progress& progress) const
+{
+    return integrator.probesByComponent(positions, allIndices(positions.size()), 0, out, components, progress);
 }
 
 Status CachedIntegrator::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,

@@ -41,6 +41,9 @@ struct CachedIntegrator {
     /// `batch`: number of the set of probes, 0, 1, 2…; the cache stores each set separately.
     Status probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
                   const Progress& progress) const;
+    /// Integrator::probesByComponent(), of bakes that have no cache.
+    Status probesByComponent(std::span<const vec3> positions, std::span<ProbeEstimate> out,
+                             std::span<SphericalHarmonicsL2> components, const Progress& progress) const;
 
 private:
     [[nodiscard]] BakeCache::Work<IrradianceEstimate, float> irradianceWork(PreparedLightmap& lightmap) const;

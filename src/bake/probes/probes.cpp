@@ -34,6 +34,8 @@ std::vector<Place> spreadOver(const std::vector<Place>& places, std::size_t prob
     return some;
 }
 
+using ProbeComponents = std::vector<SphericalHarmonicsL2>;
+
 /// Probes baked so far, and the links between neighbours.
 class ProbeBake {
 public:
@@ -52,19 +54,28 @@ public:
     {
         return std::size_t(std::count_if(probes.begin(), probes.end(), [](const Probe& p) { return p.valid; }));
     }
-    /// Traces probes.
-    Status trace(const std::vector<vec3>& positions, std::vector<ProbeEstimate>& estimates)
+    std::vector<ProbeComponents> components; ///< by component: of each probe
+    /// Traces probes. `ofComponents`, if given, receives what they have by position and component.
+    Status trace(const std::vector<vec3>& positions, std::vector<ProbeEstimate>& estimates,
+                 ProbeComponents* ofComponents = nullptr)
     {
         estimates.resize(positions.size());
-        return positions.empty() ? Status() : cached_.probes(positions, estimates, batches_++, progress_);
+        if (positions.empty()) return {};
+        if (components.empty() || ofComponents == nullptr)
+            return cached_.probes(positions, estimates, batches_++, progress_);
+        ofComponents->resize(positions.size() * components.size());
+        return cached_.probesByComponent(positions, estimates, *ofComponents, progress_);
     }
     Status add(const AddedProbes& added)
     {
         std::vector<vec3> positions;
         for (const vec3 position : added.positions) positions.push_back(onProbeLattice(position, step_));
         std::vector<ProbeEstimate> estimates;
-        if (Status s = trace(positions, estimates); !s) return s;
+        ProbeComponents ofComponents;
+        if (Status s = trace(positions, estimates, &ofComponents); !s) return s;
         for (std::size_t i = 0; i < estimates.size(); ++i) {
+            for (std::size_t c = 0; c < components.size(); ++c)
+                components[c].push_back(ofComponents[i * components.size() + c]);
             probes.push_back({positions[i], estimates[i].radiance, estimates[i].occlusion, estimates[i].valid});
             variances.push_back(estimates[i].variance);
         }
@@ -182,7 +193,8 @@ public:
         for (std::size_t run = 0; run < runs; ++run)
             for (const std::size_t i : noisy) positions.push_back(probes[i].position);
         std::vector<ProbeEstimate> estimates;
-        if (Status s = trace(positions, estimates); !s) return s;
+        ProbeComponents ofComponents;
+        if (Status s = trace(positions, estimates, &ofComponents); !s) return s;
         const float share = 1.0f / float(1 + runs);
         for (std::size_t n = 0; n < noisy.size(); ++n) {
             Probe& probe = probes[noisy[n]];
@@ -194,8 +206,67 @@ public:
             }
             for (vec3& coefficient : probe.radiance) coefficient *= share;
             variance *= share * share;
+            for (std::size_t c = 0; c < components.size(); ++c) {
+                for (std::size_t k = 0; k < 9; ++k) {
+                    vec3& coefficient = components[c][noisy[n]][k];
+                    for (std::size_t run = 0; run < runs; ++run)
+                        coefficient += ofComponents[(run * noisy.size() + n) * components.size() + c][k];
+                    coefficient *= share;
+                }
+            }
         }
         return {};
+    }
+
+    /// Denoises the light of the probes, and of each component by itself.
+    Status denoise(const std::vector<ProbeLink>& along)
+    {
+        for (ProbeComponents& light : components) {
+            // A component's variance is about the sum's, by the square of its share.
+            std::vector<Probe> own = withLight(light);
+            std::vector<float> ownVariances = variances;
+            for (std::size_t i = 0; i < own.size(); ++i) {
+                const float all = luminance(probes[i].radiance[0]);
+                const float ratio = all > 0.0f ? luminance(own[i].radiance[0]) / all : 0.0f;
+                ownVariances[i] *= ratio * ratio;
+            }
+            if (Status s = denoiseProbes(own, ownVariances, along, cached_.integrator); !s) return s;
+            for (std::size_t i = 0; i < own.size(); ++i) light[i] = own[i].radiance;
+        }
+        return denoiseProbes(probes, variances, along, cached_.integrator);
+    }
+    [[nodiscard]] std::vector<Probe> withLight(const ProbeComponents& light) const
+    {
+        std::vector<Probe> own = probes;
+        for (std::size_t i = 0; i < own.size(); ++i) own[i].radiance = light[i];
+        return own;
+    }
+
+    /// Moves the probes into a grid's set, the invalid ones with the light of those around them.
+    void finishGrid(ProbeSet& set)
+    {
+        for (ProbeComponents& light : components) {
+            set.probes = withLight(light);
+            fillInvalidProbes(set);
+            for (std::size_t i = 0; i < light.size(); ++i) light[i] = set.probes[i].radiance;
+        }
+        set.probes = std::move(probes);
+        fillInvalidProbes(set);
+    }
+
+    /// Removes probes inside geometry, and all but the first of probes at one place.
+    void removeSuperfluous(float cellMeters)
+    {
+        DistinctPoints places(cellMeters);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < probes.size(); ++i) {
+            if (!probes[i].valid || !places.insert(probes[i].position)) continue;
+            probes[kept] = probes[i];
+            for (ProbeComponents& light : components) light[kept] = light[i];
+            ++kept;
+        }
+        probes.resize(kept);
+        for (ProbeComponents& light : components) light.resize(kept);
     }
 
 private:
@@ -239,13 +310,6 @@ void leaveOutUnlit(const std::vector<Place>& checked, BakedProbes& probes)
         if (isUnlit(checked[i], probes.checks[i].radiance, dark)) probes.checks[i].valid = false;
 }
 
-/// Removes probes inside geometry, and all but the first of probes at one place.
-void removeSuperfluous(std::vector<Probe>& probes, float cellMeters)
-{
-    DistinctPoints places(cellMeters);
-    std::erase_if(probes, [&](const Probe& probe) { return !probe.valid || !places.insert(probe.position); });
-}
-
 std::string shadowEdgeWarning(const ProbeTree& tree, std::span<const ProbeTree::Cell> unresolved)
 {
     float longest = 0.0f;
@@ -267,6 +331,7 @@ Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLay
     Bounds box = scene.bounds(true);
     for (const vec3 position : scene.probePositions) box.extend(position);
     ProbeBake bake(cached, box.empty() ? 0.0f : probeStep(box.size()), progress);
+    bake.components.resize(std::size_t(cached.settings.components.count));
     BakedProbes result;
     ProbeSet& set = result.set;
     set = probeGrid(scene, scene.probePositions.empty() ? spacingMeters : 0.0f, warnings);
@@ -279,6 +344,7 @@ Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLay
     }
     const auto finish = [&](std::vector<Probe> probes, const std::vector<Place>& between) -> Result<BakedProbes> {
         set.probes = std::move(probes);
+        result.components = std::move(bake.components);
         const std::vector<Place> checked = spreadOver(between, set.probes.size());
         for (const Place& place : checked) result.checkedAt.push_back(place.position);
         if (Status s = bake.trace(result.checkedAt, result.checks); !s) return s.error();
@@ -300,10 +366,9 @@ Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLay
     if (layout == ProbeLayout::Grid) {
         if (denoise) {
             const std::vector<ProbeLink> links = tree.linksOf(tree.gridCells());
-            if (Status s = denoiseProbes(bake.probes, bake.variances, links, cached.integrator); !s) return s.error();
+            if (Status s = bake.denoise(links); !s) return s.error();
         }
-        set.probes = std::move(bake.probes);
-        fillInvalidProbes(set);
+        bake.finishGrid(set);
         return finish(std::move(set.probes), places);
     }
     // Each step leaves some of the probes to those after it.
@@ -330,10 +395,10 @@ Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLay
     if (Status s = bake.addFloors(withFloors); !s) return s.error();
     if (Status s = bake.calm(); !s) return s.error();
     if (denoise)
-        if (Status s = denoiseProbes(bake.probes, bake.variances, bake.links, cached.integrator); !s) return s.error();
+        if (Status s = bake.denoise(bake.links); !s) return s.error();
     float shortest = kInfinity;
     for (const vec3 sides : bake.sides) shortest = std::min(shortest, shortestSide(sides));
-    removeSuperfluous(bake.probes, kSamePlaceShare * shortest);
+    bake.removeSuperfluous(kSamePlaceShare * shortest);
     // The set stays a grid if nothing was added and nothing removed.
     const bool isGrid = bake.probes.size() == gridCount && bake.variances.size() == gridCount;
     if (!isGrid) set = {vec3(0.0f), vec3(1.0f), ivec3(0), {}};

@@ -27,6 +27,8 @@ struct BakedProbes {
     ProbeSet set;
     std::vector<vec3> checkedAt;       ///< places beside surfaces, metres
     std::vector<ProbeEstimate> checks; ///< by place; those inside geometry and unlit ones are invalid
+    /// By component, the radiance of each probe of the set; empty in bakes without light groups.
+    std::vector<std::vector<SphericalHarmonicsL2>> components;
 };
 /// The probes (spec S14): those at the scene's own positions, with invalid ones marked; or, without positions, a grid
 /// as `layout` says.

@@ -48,6 +48,7 @@ void visitAccessors(Json& document, const std::function<void(Json&)>& visit)
             if (Json* probes = find(*root, "probes")) {
                 for (const char* key : kProbeAccessors) visitMember(*probes, key);
             }
+            each(find(*root, "groups"), [&](Json& group) { visitMember(group, "radiance"); });
         }
     }
 }

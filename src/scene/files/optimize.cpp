@@ -33,6 +33,8 @@ void countAccessors(const FinishedDocument& document, uint64_t& geometry, uint64
         const Json& accessor = member(record, name);
         if (accessor.is_number_integer()) ofProbes.insert(accessor.get<std::size_t>());
     }
+    for (const Json& group : member(extensionOf(json, "HALFLIGHT_mixed_lighting"), "groups"))
+        if (group.contains("radiance")) ofProbes.insert(group["radiance"].get<std::size_t>());
     std::set<std::size_t> seen;
     const Json& accessors = member(json, "accessors");
     for (std::size_t i = 0; i < accessors.size(); ++i) {

@@ -29,6 +29,9 @@ public:
             for (const Json& reference : member(root, std::string(list).c_str()))
                 add(reference, list == "lightmaps" ? Use::Lightmap : Use::Mask);
         }
+        // Groups' lightmaps stay as they are.
+        for (const Json& group : member(root, "groups"))
+            for (const Json& reference : member(group, "lightmapDirections")) add(reference, Use::Mask);
     }
     [[nodiscard]] const std::vector<Use>& uses() const { return uses_; }
 

@@ -358,7 +358,7 @@ Json membersOfBake(const Json& root)
 {
     Json members = Json::array();
     for (const char* name : {"lightmapUnitLux", "lightmaps", "lightmapDirections", "shadowmasks", "shadowmaskChannels",
-                             "probes", "probes/sight", "reflectionProbes"}) {
+                             "probes", "probes/sight", "reflectionProbes", "groups"}) {
         if (root.contains(Json::json_pointer("/" + std::string(name)))) members.push_back(name);
     }
     return members;

@@ -26,10 +26,10 @@ struct MeshUse {
     const Object* only = nullptr;
 };
 
-bool texturesReadIt(const Mesh& mesh, const SourceDocument& source)
+bool texturesReadIt(const Scene& scene, const Mesh& mesh, const SourceDocument& source)
 {
     return std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
-        return readsTexCoord(element(source.json, "materials", part.material), part.lightmapTexCoord);
+        return readsTexCoord(element(source.json, "materials", sourceMaterialOf(scene, part)), part.lightmapTexCoord);
     });
 }
 
@@ -73,7 +73,7 @@ std::vector<FileLayout> fileLayouts(const Scene& scene, const SourceDocument& so
     }
     std::vector<FileLayout> layouts(scene.meshes.size());
     for (std::size_t m = 0; m < layouts.size(); ++m) {
-        if (uses[m].objects > 0 && !texturesReadIt(scene.meshes[m], source))
+        if (uses[m].objects > 0 && !texturesReadIt(scene, scene.meshes[m], source))
             layouts[m] = layoutOf(scene.meshes[m], uses[m]);
     }
     return layouts;

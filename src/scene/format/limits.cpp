@@ -32,6 +32,7 @@ constexpr Range ofBake(const char* member)
 }
 
 constexpr Range kLightmapUnit = ofBake("HALFLIGHT_mixed_lighting/lightmapUnitLux");
+constexpr Range kWeight = ofBake("groups/*/weight");
 constexpr Range kShadowColor = ofBake("HALFLIGHT_mixed_lighting/subtractiveShadowColor");
 constexpr Range kPosition = ofBake("probes/positions");
 constexpr Range kRadiance = ofBake("probes/radiance");
@@ -102,6 +103,20 @@ Status checkProbes(const ProbeSet& set, const std::string& path)
     return {};
 }
 
+Status checkGroups(const std::vector<BakedGroup>& groups, const std::string& path)
+{
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const std::string place = path + "/" + std::to_string(g);
+        if (!within(groups[g].weight, kWeight)) return invalid(place, "weight is not three numbers " + textOf(kWeight));
+        if (!within(groups[g].unitLux, kLightmapUnit))
+            return invalid(place, "lightmapUnitLux is not a number " + textOf(kLightmapUnit));
+        for (const SphericalHarmonicsL2& probe : groups[g].radiance)
+            if (!std::all_of(probe.begin(), probe.end(), [](const vec3& c) { return within(c, kRadiance); }))
+                return invalid(place, "has radiance that is not " + textOf(kRadiance) + " cd/m2");
+    }
+    return {};
+}
+
 Status checkReflections(const ReflectionSet& set, const std::string& path)
 {
     if (set.probes.empty()) return {};
@@ -156,6 +171,7 @@ Status checkBakedValues(const BakedScene& baked)
     }
     if (!within(baked.defaultShadowColor, kShadowColor))
         return invalid(root + "/subtractiveShadowColor", "is not a colour " + textOf(kShadowColor));
+    if (Status s = checkGroups(baked.groups, root + "/groups"); !s) return s;
     if (Status s = checkReflections(baked.reflections, root + "/reflectionProbes"); !s) return s;
     for (const Object& object : baked.scene.objects) {
         const std::string path = pathOf("nodes", std::size_t(std::max(0, object.sourceNode)));

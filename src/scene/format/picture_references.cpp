@@ -11,6 +11,11 @@ std::vector<Json> pictureReferences(const Json& root)
         for (const Json& reference : member(root, std::string(list).c_str()))
             if (reference.contains("index")) references.push_back(reference); // mask pages may have none
     }
+    for (const Json& group : member(root, "groups")) {
+        for (const char* list : {"lightmaps", "lightmapDirections"})
+            for (const Json& reference : member(group, list))
+                if (reference.contains("index")) references.push_back(reference);
+    }
     if (const Json& picture = member(member(root, "sky"), "picture"); picture.is_object())
         references.push_back(picture);
     if (const Json& picture = member(member(root, "reflectionProbes"), "picture"); picture.is_object())

@@ -1,7 +1,10 @@
 #include "scene/read/advice.h"
 
+#include "halflight/base/text.h"
+
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace halflight {
 
@@ -72,6 +75,26 @@ std::vector<std::string> adviceFor(const Scene& scene, const Json& document, boo
     }
     if (std::string scale = adviceOnScale(scene); !scale.empty()) advice.push_back(std::move(scale));
     return advice;
+}
+
+void warnAnimatedMaterials(const AnimatedThings& animated, Scene& scene)
+{
+    std::set<int> ofStatic;
+    for (const Object& object : scene.objects) {
+        if (!object.isStatic) continue;
+        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts)
+            ofStatic.insert(sourceMaterialOf(scene, part));
+    }
+    std::vector<std::string> names;
+    for (const auto& [index, members] : animated.materials) {
+        if (index < 0 || std::size_t(index) >= scene.materials.size() || ofStatic.count(index) == 0) continue;
+        const std::string& name = scene.materials[std::size_t(index)].name;
+        names.push_back(name.empty() ? "material " + std::to_string(index) : name);
+    }
+    if (!names.empty()) {
+        scene.warnings.push_back("animated materials of static objects: " + listOf(names) +
+                                 "; the bake has the light they give and reflect at rest");
+    }
 }
 
 } // namespace halflight

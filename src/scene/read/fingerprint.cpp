@@ -123,6 +123,9 @@ Hash128 contentHash(const Scene& scene)
             hasher.add(int(bias.has_value())).add(bias.value_or(0.0f));
     }
     addSky(hasher, scene.sky);
+    for (const Light& light : scene.lights) hasher.add(std::string_view(light.group));
+    for (const Material& material : scene.materials) hasher.add(std::string_view(material.group));
+    hasher.add(std::string_view(scene.sky.group));
     hasher.add(scene.originMeters);
     hasher.add(int(scene.subtractiveShadowColor.has_value())).add(scene.subtractiveShadowColor.value_or(vec3(0.0f)));
     return hasher.add(scene.probePositions).add(scene.reflectionBoxes).hash();

@@ -9,6 +9,7 @@
 #include "scene/model/origin.h"
 #include "scene/read/check_bake.h"
 #include "scene/read/looks/read_pictures.h"
+#include "scene/read/read_groups.h"
 #include "scene/read/read_probes.h"
 #include "scene/read/read_reflections.h"
 #include "scene/read/read_scene.h"
@@ -88,11 +89,11 @@ bool hasSet(const SourceDocument& document, const Mesh& mesh, int texCoord)
 }
 
 // Lightmap coordinates of a mesh from the TEXCOORD_n that its node names.
-Status readLightmapUv(const SourceDocument& document, Mesh& mesh, int texCoord)
+Status readLightmapUv(const SourceDocument& document, const Scene& scene, Mesh& mesh, int texCoord)
 {
     // A TEXCOORD_1 that a texture reads too is the author's: the bake kept it.
     const bool isAuthors = std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
-        return readsTexCoord(element(document.json, "materials", part.material), texCoord);
+        return readsTexCoord(element(document.json, "materials", sourceMaterialOf(scene, part)), texCoord);
     });
     for (MeshPart& part : mesh.parts) {
         const Json& primitive = primitiveOf(document, mesh.sourceMesh, part.sourcePrimitive);
@@ -170,7 +171,8 @@ Status readBindings(const SourceDocument& document, BakedScene& baked)
         }
         const auto [it, isNew] = texCoordOf.try_emplace(object.mesh, texCoord.get<int>());
         if (!isNew) continue;
-        if (Status s = readLightmapUv(document, scene.meshes[std::size_t(object.mesh)], it->second); !s) return s;
+        if (Status s = readLightmapUv(document, scene, scene.meshes[std::size_t(object.mesh)], it->second); !s)
+            return s;
     }
     if (!withoutSet.empty())
         baked.lost.push_back("the lightmap coordinates of objects " + listOf(withoutSet) + ": probes light them");
@@ -212,6 +214,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     baked.mode = *named;
     baked.isBaked = true;
     if (Status s = readMaskLayers(root, baked); !s) return s.error();
+    if (Status s = readGroups(root, baked); !s) return s.error();
     if (Status s = readPictures(document, root, baked); !s) return s.error();
     if (Status s = readMaskChannels(member(root, "shadowmaskChannels"), baked); !s) return s.error();
     const auto origin = recordedOrigin(document);
@@ -219,6 +222,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     const glm::dvec3 shift = *origin - baked.scene.originMeters;
     if (Status s = readDefaultShadowColor(root, baked); !s) return s.error();
     if (Status s = readProbes(document, member(root, "probes"), shift, baked.probes); !s) return s.error();
+    if (Status s = readGroupProbes(document, root, baked); !s) return s.error();
     auto reflections = readReflections(document, member(root, "reflectionProbes"), shift);
     if (!reflections) return reflections.error();
     baked.reflections = std::move(*reflections);

@@ -2,6 +2,7 @@
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/text.h"
+#include "halflight/scene/light_groups.h"
 #include "scene/format/limits.h"
 #include "scene/format/recorded_origin.h"
 #include "scene/load/extensions.h"
@@ -253,6 +254,7 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     auto sky = readSky(document, settings, scene.warnings);
     if (!sky) return sky.error();
     scene.sky = std::move(*sky);
+    scene.sky.group = settings.skyGroup.value_or(std::string());
     scene.subtractiveShadowColor = settings.shadowColor;
     for (const glm::dvec3& p : settings.probes.value_or(std::vector<glm::dvec3>())) {
         if (tooFar(p - scene.originMeters))
@@ -276,26 +278,6 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
             "the file has no light, no emissive material and no sky: it gets a white sky of 1 cd/m2");
     }
     return {};
-}
-
-// Of materials that an animation changes and that static objects have: their light in the bake does not change.
-void warnAnimatedMaterials(const AnimatedThings& animated, Scene& scene)
-{
-    std::set<int> ofStatic;
-    for (const Object& object : scene.objects) {
-        if (!object.isStatic) continue;
-        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) ofStatic.insert(part.material);
-    }
-    std::vector<std::string> names;
-    for (const auto& [index, members] : animated.materials) {
-        if (index < 0 || std::size_t(index) >= scene.materials.size() || ofStatic.count(index) == 0) continue;
-        const std::string& name = scene.materials[std::size_t(index)].name;
-        names.push_back(name.empty() ? "material " + std::to_string(index) : name);
-    }
-    if (!names.empty()) {
-        scene.warnings.push_back("animated materials of static objects: " + listOf(names) +
-                                 "; the bake has the light they give and reflect at rest");
-    }
 }
 
 // [[add_light]] of the settings file. A light that an earlier bake with the same file added is replaced, not doubled.
@@ -352,11 +334,14 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     Placement placement;
     const auto nodeMeshes = readMeshes(*document, *nodes, options.cancel, scene, placement);
     if (!nodeMeshes) return nodeMeshes.error();
+    std::vector<std::string> groups; // light groups, by object
     for (std::size_t i = 0; i < nodes->size(); ++i) {
         if ((*nodeMeshes)[i].mesh < 0) continue;
         if (Status s = addObjects(*document, (*nodes)[i], (*nodeMeshes)[i], scene, placement); !s) return s.error();
+        groups.resize(scene.objects.size(), (*nodes)[i].settings.group.value_or(std::string()));
     }
     if (Status s = placeScene(*document, *nodes, placement, scene); !s) return s.error();
+    groupEmission(scene, groups);
     for (const NodeState& state : *nodes) {
         if (state.visible) {
             auto light = readLight(*document, state, scene.originMeters, animated, file, scene.warnings);

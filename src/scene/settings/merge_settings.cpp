@@ -15,6 +15,7 @@ ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings&
     if (stronger.probeResolution) merged.probeResolution = stronger.probeResolution;
     if (stronger.reflectionProbe) merged.reflectionProbe = stronger.reflectionProbe;
     if (stronger.areaLight) merged.areaLight = stronger.areaLight;
+    if (stronger.group) merged.group = stronger.group;
     return merged;
 }
 
@@ -35,6 +36,7 @@ SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& st
     if (stronger.skyZenith) merged.skyZenith = stronger.skyZenith;
     if (stronger.skyHorizon) merged.skyHorizon = stronger.skyHorizon;
     if (stronger.skyGround) merged.skyGround = stronger.skyGround;
+    if (stronger.skyGroup) merged.skyGroup = stronger.skyGroup;
     if (stronger.emissionUnit) merged.emissionUnit = stronger.emissionUnit;
     if (stronger.shadowColor) merged.shadowColor = stronger.shadowColor;
     if (stronger.probes) merged.probes = stronger.probes;
@@ -60,6 +62,7 @@ void applySettings(const LightSettings& settings, Light& light)
     light.rangeMeters = settings.rangeMeters.value_or(light.rangeMeters);
     light.intensity = settings.intensity.value_or(light.intensity);
     light.color = settings.color.value_or(light.color);
+    light.group = settings.group.value_or(light.group);
 }
 
 void applySettings(const MaterialSettings& settings, Material& material)
@@ -67,6 +70,7 @@ void applySettings(const MaterialSettings& settings, Material& material)
     material.castShadows = settings.castShadows.value_or(material.castShadows);
     material.receiveShadows = settings.receiveShadows.value_or(material.receiveShadows);
     material.tinted = settings.tinted.value_or(material.tinted);
+    material.group = settings.group.value_or(material.group);
 }
 
 } // namespace halflight

@@ -1,5 +1,7 @@
 #include "scene/settings/setting_values.h"
 
+#include "halflight/scene/light_groups.h"
+
 namespace halflight {
 
 Expectation readBool(const Json& value, std::optional<bool>& out)
@@ -71,6 +73,14 @@ Expectation readPoints(const Json& value, std::optional<std::vector<glm::dvec3>>
         }
     }
     out = std::move(points);
+    return nullptr;
+}
+
+Expectation readGroup(const Json& value, std::optional<std::string>& out)
+{
+    const std::string name = value.is_string() ? value.get<std::string>() : std::string();
+    if (!isGroupName(name)) return kGroupNames;
+    out = name;
     return nullptr;
 }
 

@@ -22,6 +22,8 @@ Expectation readNumber(const Json& value, double low, double high, Expectation e
 Expectation readSize(const Json& value, std::optional<vec2>& out);
 /// Three numbers, or one for all.
 Expectation readColor(const Json& value, std::optional<vec3>& out);
+/// The name of a light group.
+Expectation readGroup(const Json& value, std::optional<std::string>& out);
 /// [[x, y, z], …], or one flat list, since some tools (Blender) know no lists of lists.
 Expectation readPoints(const Json& value, std::optional<std::vector<glm::dvec3>>& out);
 

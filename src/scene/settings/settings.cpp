@@ -44,6 +44,7 @@ const std::vector<Key<ObjectSettings>>& objectKeys()
              if (v.is_string()) s.areaLight = lightTypeNamed(v.get<std::string>());
              return s.areaLight && isAreaLight(*s.areaLight) ? nullptr : "\"rectangle\" or \"disk\"";
          }},
+        {"group", [](const Json& v, ObjectSettings& s) { return readGroup(v, s.group); }},
     };
     return keys;
 }
@@ -54,6 +55,7 @@ const std::vector<Key<MaterialSettings>>& materialKeys()
         {"cast_shadows", [](const Json& v, MaterialSettings& s) { return readBool(v, s.castShadows); }},
         {"receive_shadows", [](const Json& v, MaterialSettings& s) { return readBool(v, s.receiveShadows); }},
         {"tinted", [](const Json& v, MaterialSettings& s) { return readBool(v, s.tinted); }},
+        {"group", [](const Json& v, MaterialSettings& s) { return readGroup(v, s.group); }},
     };
     return keys;
 }
@@ -101,6 +103,7 @@ const std::vector<Key<LightSettings>>& lightKeys()
         {"intensity",
          [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.intensity); }},
         {"color", [](const Json& v, LightSettings& s) { return readColor(v, s.color); }},
+        {"group", [](const Json& v, LightSettings& s) { return readGroup(v, s.group); }},
     };
     return keys;
 }
@@ -131,6 +134,7 @@ const std::vector<Key<SceneSettings>>& sceneKeys()
          }},
         {"sky_intensity",
          [](const Json& v, SceneSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.skyIntensity); }},
+        {"sky_group", [](const Json& v, SceneSettings& s) { return readGroup(v, s.skyGroup); }},
         {"emission_unit",
          [](const Json& v, SceneSettings& s) -> Expectation {
              s.emissionUnit = emissionUnitNamed(v.is_string() ? v.get<std::string>() : std::string());

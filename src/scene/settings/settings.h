@@ -25,12 +25,14 @@ struct ObjectSettings {
     std::optional<ivec3> probeResolution;
     std::optional<bool> reflectionProbe; ///< the node's cube [-1, 1]^3 is a reflection probe's box
     std::optional<LightType> areaLight;  ///< the node is an area light, in its XY plane
+    std::optional<std::string> group;    ///< light group of its lights and emission, and of those of nodes below it
 };
 
 struct MaterialSettings {
     std::optional<bool> castShadows;
     std::optional<bool> receiveShadows;
     std::optional<bool> tinted;
+    std::optional<std::string> group;
 };
 
 struct LightSettings {
@@ -45,6 +47,7 @@ struct LightSettings {
     std::optional<float> rangeMeters;
     std::optional<float> intensity;
     std::optional<vec3> color;
+    std::optional<std::string> group;
 };
 
 struct SceneSettings {
@@ -55,6 +58,7 @@ struct SceneSettings {
     bool skyOfBake = false;                        ///< the picture that an earlier bake recorded, turned as it was
     std::optional<float> skyRotationDegrees;
     std::optional<float> skyIntensity;
+    std::optional<std::string> skyGroup;
     std::optional<EmissionUnit> emissionUnit;
     std::optional<vec3> shadowColor;
     std::optional<std::vector<glm::dvec3>> probes; ///< in the file's world

@@ -87,6 +87,7 @@ Json materialJson(const Material& material)
     if (!material.castShadows) json["extras"]["halflight_cast_shadows"] = false;
     if (!material.receiveShadows) json["extras"]["halflight_receive_shadows"] = false;
     if (material.tinted) json["extras"]["halflight_tinted"] = true;
+    if (!material.group.empty()) json["extras"]["halflight_group"] = material.group;
     return json;
 }
 

@@ -5,6 +5,7 @@
 #include "halflight/base/rgb9e5.h"
 #include "scene/pictures/ktx2.h"
 #include "scene/pictures/lightmap_curve.h"
+#include "scene/write/write_groups.h"
 #include "scene/write/write_reflections.h"
 #include "scene/write/write_sky.h"
 
@@ -42,12 +43,12 @@ EncodedPage encodePage(const Image<uint32_t>& rgb9e5, const ImageRgb32f& truth, 
     return {encodeKtx2(rgb9e5), decodeRgb9e5(rgb9e5)};
 }
 
-// In units of lightmapUnitLux.
-ImageRgb32f truthOf(const BakedScene& baked, const WriteOptions& options, std::size_t page)
+// In units of `unitLux`.
+ImageRgb32f truthOf(const Image<uint32_t>& page, float unitLux, const ImageRgb32f* irradiance)
 {
-    if (options.irradiance.size() != baked.lightmaps.size()) return decodeRgb9e5(baked.lightmaps[page]);
-    ImageRgb32f truth = options.irradiance[page];
-    for (vec3& texel : truth.texels()) texel /= baked.lightmapUnitLux;
+    if (irradiance == nullptr) return decodeRgb9e5(page);
+    ImageRgb32f truth = *irradiance;
+    for (vec3& texel : truth.texels()) texel /= unitLux;
     return truth;
 }
 
@@ -63,6 +64,8 @@ Result<Bytes> encodeSmallest(const ImageRgba8& image)
     if (!png || !webp) return png ? webp : png;
     return webp->size() < png->size() ? webp : png;
 }
+
+} // namespace
 
 std::vector<Result<Bytes>> encodeMasks(const std::vector<ImageRgba8>& pages, const Progress& progress)
 {
@@ -88,6 +91,8 @@ Status addMasks(PictureWriter& pictures, const char* key, const std::string& nam
     }
     return {};
 }
+
+namespace {
 
 /// All pictures of a bake but the sky's.
 struct EncodedPictures {
@@ -129,20 +134,27 @@ const char* nameOf(LightmapFormat format)
 
 Result<EncodedLightmaps> encodeLightmaps(const BakedScene& baked, const WriteOptions& options)
 {
-    const std::size_t count = baked.lightmaps.size();
+    return encodePages(baked.lightmaps, baked.lightmapUnitLux, options.irradiance, options);
+}
+
+Result<EncodedLightmaps> encodePages(const std::vector<Image<uint32_t>>& pages, float unitLux,
+                                     std::span<const ImageRgb32f> irradiance, const WriteOptions& options)
+{
+    const std::size_t count = pages.size();
     EncodedLightmaps result;
     result.pages.resize(count);
     result.written.resize(count);
     const bool isWebp = options.lightmapFormat == LightmapFormat::Webp;
     if (isWebp && !decodesWebp())
         return Error{ErrorCode::Unsupported, "lightmaps as WebP need a build with libwebp, and this one has none", ""};
-    const LightmapCurve curve = isWebp ? bestCurve(baked.lightmaps) : LightmapCurve();
+    const LightmapCurve curve = isWebp ? bestCurve(pages) : LightmapCurve();
     if (isWebp && count > 0) result.encoding = {{"scale", curve.scale}, {"exponent", curve.exponent}};
     std::vector<Status> statuses(count);
     parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !options.progress.cancelled(); ++i) {
-            const ImageRgb32f truth = truthOf(baked, options, i);
-            EncodedPage page = encodePage(baked.lightmaps[i], truth, options.lightmapFormat, curve);
+            if (pages[i].empty()) continue;
+            const ImageRgb32f truth = truthOf(pages[i], unitLux, irradiance.size() == count ? &irradiance[i] : nullptr);
+            EncodedPage page = encodePage(pages[i], truth, options.lightmapFormat, curve);
             if (!page.bytes) {
                 statuses[i] = page.bytes.error();
                 continue;
@@ -179,6 +191,7 @@ Status writeBakePictures(PictureWriter& pictures, const BakedScene& baked, const
     if (Status s = addMasks(pictures, "shadowmasks", "shadowmask", std::move(encoded.masks), root, written.shadowmasks);
         !s)
         return s;
+    if (Status s = writeGroupPictures(pictures, baked, options, root, written); !s) return s;
     auto sky = writeSky(pictures, baked.scene.sky, options.skyWidth);
     if (!sky) return sky.error();
     root["sky"] = std::move(sky->record);

@@ -18,6 +18,16 @@ struct EncodedLightmaps {
     Json encoding;
 };
 Result<EncodedLightmaps> encodeLightmaps(const BakedScene& baked, const WriteOptions& options);
+/// The same of any pages in units of `unitLux`, from `irradiance` where there are as many pages of it. Pages without
+/// texels have no bytes.
+Result<EncodedLightmaps> encodePages(const std::vector<Image<uint32_t>>& pages, float unitLux,
+                                     std::span<const ImageRgb32f> irradiance, const WriteOptions& options);
+
+/// Pictures of 8 bits a channel as PNG or lossless WebP; those without texels have no bytes.
+std::vector<Result<std::vector<std::byte>>> encodeMasks(const std::vector<ImageRgba8>& pages, const Progress& progress);
+/// Adds such pictures, and names them in the list `key` of `root`: without bytes as {}.
+Status addMasks(PictureWriter& pictures, const char* key, const std::string& name,
+                std::vector<Result<std::vector<std::byte>>> encoded, Json& root, uint64_t& bytes);
 
 Error writingCancelled();
 

@@ -10,6 +10,7 @@
 #include "scene/settings/settings.h"
 #include "scene/write/make_document.h"
 #include "scene/write/write_bake_pictures.h"
+#include "scene/write/write_groups.h"
 #include "scene/write/write_lights.h"
 #include "scene/write/write_nodes.h"
 #include "scene/write/write_pictures.h"
@@ -28,7 +29,7 @@ class Writer {
 public:
     Writer(const BakedScene& baked, const WriteOptions& options)
         : baked_(baked), scene_(baked.scene), options_(options), source_(*baked.scene.source), patcher_(source_),
-          pictures_(patcher_, source_), atBake_(baked.scene), nodes_(patcher_, source_, baked, atBake_)
+          pictures_(patcher_, source_), atBake_(baked.scene), nodes_(patcher_, source_, baked, atBake_, fileMaterials_)
     {}
 
     /// `imagePrefix`: see DocumentPatcher::finish().
@@ -61,25 +62,48 @@ private:
         }
     }
 
-    /// A record where something is off or the material is tinted, and none elsewhere.
+    /// The file's material of each scene material. Scene materials of one source, of different light groups, have a
+    /// copy each but for the first.
+    std::vector<int> copyMaterials()
+    {
+        std::vector<int> inFile;
+        std::set<int> taken;
+        for (const Material& material : scene_.materials) {
+            const int source = material.sourceMaterial;
+            const bool copied = source >= 0 && !taken.insert(source).second;
+            inFile.push_back(copied ? patcher_.append("materials", source_.json["materials"][std::size_t(source)])
+                                    : source);
+        }
+        return inFile;
+    }
+
+    /// A record where something is off, or the material is tinted or of a light group, and none elsewhere.
     void writeMaterials()
     {
-        for (const Material& material : scene_.materials) {
+        fileMaterials_ = copyMaterials();
+        for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+            const Material& material = scene_.materials[i];
             if (material.sourceMaterial < 0) continue;
-            Json& json = patcher_.json["materials"][std::size_t(material.sourceMaterial)];
+            Json& json = patcher_.json["materials"][std::size_t(fileMaterials_[i])];
             eraseExtension(json, kMaterialExtension);
-            if (material.castShadows && material.receiveShadows && !material.tinted) continue;
+            const bool plain = material.castShadows && material.receiveShadows && !material.tinted;
+            if (plain && material.group.empty() && material.bakedGroup < 0) continue;
             Json& record = json["extensions"][kMaterialExtension];
             record = {{"castShadows", material.castShadows}, {"receiveShadows", material.receiveShadows}};
             if (material.tinted) record["tinted"] = true;
+            if (!material.group.empty()) record["group"] = material.group;
+            if (material.bakedGroup >= 0)
+                record["baking"] = {{"group", material.bakedGroup}, {"white", numbers(material.whiteNits)}};
             materialRecords_ = true;
         }
         writeScaledEmission(patcher_.json, scene_);
+        writeChangedEmission(patcher_.json, scene_, fileMaterials_);
     }
 
     void writeRoot()
     {
-        root_["version"] = baked_.maskLayers > 1 ? kLayeredVersion : kFormatVersion;
+        const bool layered = baked_.maskLayers > 1 || !baked_.groups.empty();
+        root_["version"] = layered ? kLayeredVersion : kFormatVersion;
         if (baked_.maskLayers > 1) root_["shadowmaskLayers"] = baked_.maskLayers;
         root_["mode"] = nameOf(baked_.mode);
         if (scene_.originMeters != dvec3(0.0)) root_["origin"] = numbers(scene_.originMeters);
@@ -107,6 +131,7 @@ private:
         writeMark();
         if (Json probes = probesJson(patcher_, baked_.probes, baked_.maskLayers, bytes_.probes); !probes.is_null())
             root_["probes"] = std::move(probes);
+        writeGroupProbes(patcher_, baked_, root_, bytes_);
         if (baked_.isBaked) root_["atBake"]["members"] = membersOfBake(root_);
         patcher_.json["extensions"][kRootExtension] = std::move(root_);
     }
@@ -145,6 +170,7 @@ private:
     DocumentPatcher patcher_;
     PictureWriter pictures_;
     AtBake atBake_;
+    std::vector<int> fileMaterials_; ///< by Scene::materials
     NodeWriter nodes_;
     WrittenBytes bytes_;
     Json root_;

@@ -110,6 +110,7 @@ private:
         if (light.type == LightType::Directional) record["angularRadius"] = light.angularRadiusRadians;
         if (isAreaLight(light.type) && light.rangeMeters > 0.0f) record["range"] = light.rangeMeters;
         if (const Json bias = biasJson(light.shadowBias); !bias.empty()) record["shadowBias"] = bias;
+        if (!light.group.empty()) record["group"] = light.group;
         if (added) record["added"] = true;
         if (!light.baking.isBaked) return record;
         Json& baking = record["baking"];
@@ -121,6 +122,10 @@ private:
             baking["reach"] = light.baking.reachMeters;
         if (light.type == LightType::Spot) baking["outerConeAngle"] = light.baking.outerConeRadians;
         if (light.baking.atBake.known) baking["atBake"] = atBakeJson(light.baking.atBake);
+        if (light.baking.group >= 0) {
+            baking["group"] = light.baking.group;
+            baking["white"] = numbers(light.baking.white);
+        }
         if (!light.baking.reason.empty()) baking["reason"] = light.baking.reason;
         return record;
     }

@@ -61,8 +61,8 @@ bool hasValidSources(const MeshPart& part, std::size_t sourceCount)
 } // namespace
 
 MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
-                       const std::vector<FileLayout>& layouts)
-    : patcher_(patcher), source_(source), scene_(scene), layouts_(layouts), sides_(patcher)
+                       const std::vector<FileLayout>& layouts, const std::vector<int>& materials)
+    : patcher_(patcher), source_(source), scene_(scene), layouts_(layouts), materials_(materials), sides_(patcher)
 {}
 
 // The accessor with one element per vertex of the part, copied byte by byte: no format changes on the way. `between`
@@ -162,7 +162,7 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
         Json& attributes = json["attributes"];
         const std::string name = "TEXCOORD_" + std::to_string(k);
         if (attributes.contains(name)) continue;
-        const bool isRead = readsTexCoord(element(source_.json, "materials", part.material), k);
+        const bool isRead = readsTexCoord(element(source_.json, "materials", sourceMaterialOf(scene_, part)), k);
         if (isRead && zeroUv < 0) {
             zeroUv = patcher_.addAccessor({{"componentType", gltf::kFloat}, {"count", count}, {"type", "VEC2"}},
                                           {std::vector<std::byte>(count * sizeof(vec2)), 0, gltf::kVertices});
@@ -170,6 +170,13 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
         attributes[name] = isRead ? zeroUv : lightmapUv;
     }
     return json;
+}
+
+bool MeshWriter::isCopied(const MeshPart& part) const
+{
+    if (part.material < 0) return false;
+    const auto material = std::size_t(part.material);
+    return materials_[material] != scene_.materials[material].sourceMaterial;
 }
 
 // A primitive of the source becomes as many as it has parts. Back halves of an earlier bake that have no part are gone.
@@ -194,8 +201,10 @@ Result<Json> MeshWriter::patchedMesh(int sceneMesh)
             if (part.sourcePrimitive != int(s)) continue;
             hasPart = true;
             primitives.push_back(primitive);
+            if (isCopied(part)) primitives.back()["material"] = materials_[std::size_t(part.material)];
             if (part.lightmapUv.empty()) continue;
-            auto json = primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitive, path + std::to_string(s));
+            auto json =
+                primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitives.back(), path + std::to_string(s));
             if (!json) return json.error();
             sides_.setIn(*json, part.side);
             primitives.back() = std::move(*json);

@@ -13,10 +13,12 @@ namespace halflight {
 /// Makes the meshes of the written file: one for each scene mesh that has lightmap coordinates. They share accessors.
 class MeshWriter {
 public:
-    /// `layouts`: of each scene mesh; outlives this.
+    /// `layouts`: of each scene mesh. `materials`: in the file, of each scene material. Both outlive this.
     MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
-               const std::vector<FileLayout>& layouts);
+               const std::vector<FileLayout>& layouts, const std::vector<int>& materials);
 
+    /// Whether the part has a copy of its source's material, which a light group made.
+    [[nodiscard]] bool isCopied(const MeshPart& part) const;
     /// Points the node at the scene mesh's place in the file.
     Status setNodeMesh(int node, int sceneMesh);
     /// Gives the meshes their final indices; to be called once, after the last setNodeMesh().
@@ -32,6 +34,7 @@ private:
     const SourceDocument& source_;
     const Scene& scene_;
     const std::vector<FileLayout>& layouts_;
+    const std::vector<int>& materials_;
     MaterialSides sides_;
     std::map<int, std::size_t> indexOf_;                                      ///< by scene mesh: index into meshes_
     std::vector<std::pair<int, Json>> meshes_;                                ///< source mesh, JSON

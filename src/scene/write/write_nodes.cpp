@@ -24,9 +24,9 @@ Json recordOf(const Object& object)
 } // namespace
 
 NodeWriter::NodeWriter(DocumentPatcher& patcher, const SourceDocument& source, const BakedScene& baked,
-                       const AtBake& atBake)
+                       const AtBake& atBake, const std::vector<int>& materials)
     : patcher_(patcher), source_(source), baked_(baked), scene_(baked.scene), atBake_(atBake),
-      layouts_(fileLayouts(scene_, source_)), meshes_(patcher_, source_, scene_, layouts_)
+      layouts_(fileLayouts(scene_, source_)), meshes_(patcher_, source_, scene_, layouts_, materials)
 {}
 
 Status NodeWriter::write()
@@ -91,8 +91,9 @@ Status NodeWriter::writeNode(int node, const Objects& objects, const std::option
 
     // A mesh without lightmap coordinates stays as the source has it, with its skin, whatever its shape in the scene.
     const Mesh& mesh = scene_.meshes[std::size_t(first.mesh)];
-    const bool isPatched = std::any_of(mesh.parts.begin(), mesh.parts.end(),
-                                       [](const MeshPart& part) { return !part.lightmapUv.empty(); });
+    const bool isPatched = std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
+        return !part.lightmapUv.empty() || meshes_.isCopied(part);
+    });
     return isPatched ? meshes_.setNodeMesh(node, first.mesh) : Status();
 }
 

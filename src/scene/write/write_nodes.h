@@ -12,7 +12,8 @@ constexpr const char* kNodeExtension = "HALFLIGHT_node";
 class NodeWriter {
 public:
     /// All of them outlive this.
-    NodeWriter(DocumentPatcher& patcher, const SourceDocument& source, const BakedScene& baked, const AtBake& atBake);
+    NodeWriter(DocumentPatcher& patcher, const SourceDocument& source, const BakedScene& baked, const AtBake& atBake,
+               const std::vector<int>& materials);
 
     Status write();
     /// Nodes that were written with a lightmap.

@@ -1,5 +1,6 @@
 #include "transport/guiding/build_guides.h"
 
+#include "transport/guiding/patch_components.h"
 #include "transport/guiding/receiver_grid.h"
 
 #include "halflight/base/atomic_ref.h"
@@ -25,37 +26,6 @@ constexpr float kMuchVariance = 0.5f;
 /// much variance.
 constexpr int kSharedLevel = 3;
 constexpr std::size_t kMostEntries = 64; ///< of a list, which is searched per sample: 6 steps
-
-/// Observations of patches by receivers, from the samples of the radiosity stage.
-class PatchObservations {
-public:
-    explicit PatchObservations(const Radiosity& radiosity)
-        : solution_(radiosity.solution), chartPatches_(radiosity.solution.cache.layout().chartPatches)
-    {}
-    /// Calls body(receiving front patch, samples, links) for samples of front patches. Links are unknowns.
-    template<typename Body> void forSamples(const Body& body) const
-    {
-        for (const FormFactorRange& range : solution_.factors) {
-            FormFactorRange::forSamples(range, [&](const PatchSamples& s, std::span<const PatchId> links) {
-                if (s.patch != kNoPatch && patchOf(s.patch) < chartPatches_) body(patchOf(s.patch), s, links);
-            });
-        }
-    }
-    /// Calls body(receiver, patch) for each ray from a front patch to a chart patch.
-    template<typename Body> void forRays(const Body& body) const
-    {
-        forSamples([&](PatchId receiver, const PatchSamples&, std::span<const PatchId> links) {
-            for (const PatchId target : links) {
-                if (target != kNoPatch && patchOf(target) < 2 * chartPatches_) body(receiver, patchOf(target));
-            }
-        });
-    }
-    [[nodiscard]] PatchId patchOf(uint32_t unknown) const { return solution_.patchOfUnknown[unknown]; }
-
-private:
-    const RadiositySolution& solution_;
-    uint32_t chartPatches_;
-};
 
 /// Places of chart patches. Triangle patches (leaves, mostly) are no sources, because they are many.
 std::vector<PatchLight> placePatches(const Radiosity& radiosity, const TexelMap& map, const BakeGeometry& geometry)
@@ -129,8 +99,8 @@ std::vector<PatchLight> findPatchLights(const Radiosity& radiosity, const TexelM
 
 class GuideBuilder {
 public:
-    GuideBuilder(std::span<const PatchLight> patches, float texelMeters)
-        : patches_(patches), width_(kGuideTexels * texelMeters)
+    GuideBuilder(std::span<const PatchLight> patches, const PatchComponents& components, float texelMeters)
+        : patches_(patches), components_(components), width_(kGuideTexels * texelMeters)
     {}
 
     Guides build(const PatchObservations& observations, const PatchLayout& layout, const RayTracer& tracer)
@@ -170,6 +140,40 @@ private:
             region.illuminances += patches_[i].illuminance;
             ++region.receivers;
         }
+        if (components_.count > 0) makeRegionsRelative();
+    }
+
+    /// Light by component is relative to its illuminance of the region, so that the region's own is 1.
+    void makeRegionsRelative()
+    {
+        const std::size_t count = components_.count;
+        illuminance_.resize(grid_.regions.size() * count);
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+            const uint32_t region = guides_.guideOfPatch_[i];
+            if (region == ~0u || !(patches_[i].rays > 0.0f)) continue;
+            for (std::size_t c = 0; c < count; ++c)
+                illuminance_[region * count + c] +=
+                    components_.illuminance[i * count + c] / grid_.regions[region].receivers;
+        }
+        for (ReceiverGrid::Region& region : grid_.regions) region.illuminances = region.receivers;
+    }
+
+    /// What a ray from a region receives of a patch, and its square: of all light; or, of components, the sum of the
+    /// shares of their illuminance, and the square of the largest.
+    [[nodiscard]] vec2 receivedFrom(PatchId patch, std::size_t region) const
+    {
+        const float all = patches_[patch].radiance;
+        if (components_.count == 0) return {all, all * all};
+        float sum = 0.0f;
+        float most = 0.0f;
+        const std::span<const float> radiance = components_.radianceOf(patch);
+        for (std::size_t c = 0; c < radiance.size(); ++c) {
+            const float illuminance = illuminance_[region * components_.count + c];
+            if (!(illuminance > 0.0f) || !isSecondarySource(radiance[c], illuminance)) continue;
+            sum += radiance[c] / illuminance;
+            most = std::max(most, radiance[c] / illuminance);
+        }
+        return {sum, most * most};
     }
 
     /// Clusters the secondary sources that rays hit, and adds the hits to the regions.
@@ -183,7 +187,7 @@ private:
         observations.forRays([&](PatchId receiver, PatchId patch) {
             const uint32_t region = guides_.guideOfPatch_[receiver];
             if (region == ~0u || patches_[patch].axis == PatchLight::kNoAxis) return;
-            if (isSecondarySource(patches_[patch].radiance, grid_.regions[region].illuminance()))
+            if (isSecondarySource(receivedFrom(patch, region).x, grid_.regions[region].illuminance()))
                 hits.push_back({region, patch});
         });
         parallelSort(hits, [](const Hit& a, const Hit& b) {
@@ -196,9 +200,8 @@ private:
         for (std::size_t region = 0; region < grid_.regions.size(); ++region) {
             const std::size_t first = grid_.regions[region].firstHit = grid_.hits.size();
             for (; next < hits.size() && hits[next].region == region; ++next) {
-                const float radiance = patches_[hits[next].patch].radiance;
-                grid_.hits.push_back(
-                    {guides_.clusters_.clusterOf(hits[next].patch), 1.0f, radiance, radiance * radiance});
+                const vec2 received = receivedFrom(hits[next].patch, region);
+                grid_.hits.push_back({guides_.clusters_.clusterOf(hits[next].patch), 1.0f, received.x, received.y});
             }
             HitStatistics::merge(grid_.hits, first);
         }
@@ -360,7 +363,9 @@ private:
     }
 
     std::span<const PatchLight> patches_;
-    float width_; ///< of the current regions
+    const PatchComponents& components_;
+    std::vector<float> illuminance_; ///< by region of the first width and component
+    float width_;                    ///< of the current regions
     ReceiverGrid grid_;
     Guides guides_;
 };
@@ -368,9 +373,10 @@ private:
 Guides buildGuides(const Radiosity& radiosity, const TexelMap& map, const RayTracer& tracer)
 {
     const PatchLayout& layout = radiosity.solution.cache.layout();
-    const std::vector<PatchLight> patches = findPatchLights(radiosity, map, tracer.geometry());
+    std::vector<PatchLight> patches = findPatchLights(radiosity, map, tracer.geometry());
     if (!(layout.texelMeters > 0.0f)) return {};
-    return GuideBuilder(patches, layout.texelMeters).build(PatchObservations(radiosity), layout, tracer);
+    const PatchComponents components = findComponents(radiosity, patches);
+    return GuideBuilder(patches, components, layout.texelMeters).build(PatchObservations(radiosity), layout, tracer);
 }
 
 } // namespace halflight

@@ -2,12 +2,14 @@
 // Sums over the samples of one block of eight texels, and the estimates of texels that they are added to.
 
 #include "transport/lightmap/device_gather.h"
-#include "transport/sample/running_moments.h"
+#include "transport/sample/path_light.h"
 #include "transport/texels/ray_bundle.h"
 
 #include "halflight/base/finite.h"
 
+#include <algorithm>
 #include <span>
+#include <vector>
 
 namespace halflight {
 
@@ -96,15 +98,57 @@ public:
         estimate.inverseSquares += sums.inverseSquares;
     }
 
+    static std::size_t halfOf(std::size_t stratum) { return shading::patternHalf(uint32_t(stratum)); }
+
 private:
     struct Half {
         Vec3Lanes irradiance;
         Vec3Lanes moment;
     };
-    static std::size_t halfOf(std::size_t stratum) { return shading::patternHalf(uint32_t(stratum)); }
 
     std::array<Half, 2> halves_;
     std::array<float, kLanes> inverseSquares_;
+};
+
+/// The sums of components, in the halves of BlockSums. Estimates of a lane's components follow one another.
+class ComponentSums {
+public:
+    explicit ComponentSums(int components)
+        : count_(std::size_t(components)), sums_(2 * std::size_t(kLanes) * std::size_t(components))
+    {}
+    [[nodiscard]] int count() const { return int(count_); }
+    void begin() { std::fill(sums_.begin(), sums_.end(), Sum{}); }
+    void add(std::size_t stratum, std::size_t lane, int component, vec3 irradiance, vec3 direction)
+    {
+        if (irradiance == vec3(0.0f)) return;
+        Sum& sum = sums_[(BlockSums::halfOf(stratum) * kLanes + lane) * count_ + std::size_t(component)];
+        sum.irradiance += irradiance;
+        sum.moment += luminance(irradiance) * direction;
+    }
+    /// Adds a lane's sums to its texel: to the term `moments` of its components. Those of a half-block that is not
+    /// finite are left out together.
+    void end(std::size_t lane, std::span<ComponentEstimate> estimates, RunningMoments ComponentEstimate::*moments) const
+    {
+        constexpr float kShare = 2.0f / float(StratifiedPattern::kBlock);
+        for (std::size_t half = 0; half < 2; ++half) {
+            const Sum* const sums = &sums_[(half * kLanes + lane) * count_];
+            const bool finite = std::all_of(sums, sums + count_, [](const Sum& sum) {
+                return isFinite(sum.irradiance * kShare) && isFinite(sum.moment * kShare);
+            });
+            for (std::size_t c = 0; c < count_; ++c)
+                (estimates[lane * count_ + c].*moments)
+                    .add(finite ? sums[c].irradiance * kShare : vec3(0.0f),
+                         finite ? sums[c].moment * kShare : vec3(0.0f));
+        }
+    }
+
+private:
+    struct Sum {
+        vec3 irradiance{0.0f};
+        vec3 moment{0.0f};
+    };
+    std::size_t count_;
+    std::vector<Sum> sums_; ///< by half, lane and component
 };
 
 } // namespace halflight

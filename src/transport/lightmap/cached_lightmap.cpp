@@ -32,7 +32,7 @@ Status CachedLightmap::prepare(const Progress& progress, std::atomic<uint64_t>& 
     auto state = std::make_unique<LightmapState>(map_);
     const auto compute = [&] { return build(*state, progress, rays); };
     if (Status s = store_.computed(kRadianceStage, *state, compute); !s) return s;
-    if (settings_.bounces > 0) {
+    if (settings_.bounces > 0 && paths_.light().components() == 0) {
         auto device = paths_.surfaces().kernels().prepareGather(
             {paths_.surfaces(), paths_.light().sky(), pattern_, state->cache, state->guides, settings_.seed});
         if (!device) return device.error();
@@ -74,9 +74,10 @@ float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& 
     for (std::size_t i = 0; i < map.texels.size(); i += step) {
         const auto texel = uint32_t(i);
         std::array<TexelEstimate, kLanes> estimates;
+        std::vector<ComponentEstimate> components(std::size_t(kLanes) * std::size_t(paths_.light().components()));
         const GatherGroup group(paths_, map, std::span(&texel, 1));
         uint64_t traced = 0;
-        gather.add(group, 0, 1, estimates, traced);
+        gather.add(group, 0, 1, {estimates, components}, traced);
         rays += traced;
         if (!group.active(0)) continue;
         sum += double(luminance(estimates[0].irradiance()));
@@ -164,8 +165,10 @@ bool CachedLightmap::samplesChanged(int before)
 }
 
 Status CachedLightmap::irradiance(std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
-                                  const Progress& progress, std::atomic<uint64_t>& rays)
+                                  std::span<IrradianceEstimate> components, const Progress& progress,
+                                  std::atomic<uint64_t>& rays)
 {
+    const auto count = std::size_t(paths_.light().components());
     if (texels.empty()) return {};
     if (Status s = prepare(progress, rays); !s) return s;
     const LightmapInput input = this->input();
@@ -186,7 +189,11 @@ Status CachedLightmap::irradiance(std::span<const uint32_t> texels, int samples,
                 const Progress part = progressOfParts.part(p);
                 LightmapRun run(input, some, samples, planned ? state_->scale : 0.0f, part, rays);
                 if (!run.run()) return; // outcome() says why
-                for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
+                for (std::size_t i = 0; i < some.size(); ++i) {
+                    IrradianceEstimate& all = out[first + i] = run.estimateOf(some[i]);
+                    if (!components.empty())
+                        run.componentsOf(some[i], all, components.subspan((first + i) * count, count));
+                }
             });
         }
     });

@@ -17,8 +17,9 @@ public:
         : paths_(paths), pattern_(pattern), settings_(settings), map_(map), store_(store)
     {}
 
+    /// `components` is empty, or as of PreparedLightmap::irradianceByComponent().
     Status irradiance(std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
-                      const Progress& progress, std::atomic<uint64_t>& rays);
+                      std::span<IrradianceEstimate> components, const Progress& progress, std::atomic<uint64_t>& rays);
     /// The radiance cache, the guides, and the scale of the sample plan.
     Status prepareAll(const Progress& progress, std::atomic<uint64_t>& rays);
     Status prepareParts(const Progress& progress, std::atomic<uint64_t>& rays) const;

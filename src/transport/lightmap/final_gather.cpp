@@ -4,7 +4,7 @@
 
 namespace halflight {
 
-void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelEstimate> estimates,
+void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, const Estimates& estimates,
                       uint64_t& rays)
 {
     const bool emitters = paths_.light().samplesEmission();
@@ -12,22 +12,24 @@ void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, 
     next_.prepareSources(group);
     for (int b = firstBlock; b < firstBlock + blockCount; ++b) {
         block_.sums.begin();
+        block_.components.begin();
         gatherBlock(group, b, rays);
         if (next_.samplesSources()) next_.sampleSources(group, b, block_, rays);
         for (int lane = 0; lane < group.lanes(); ++lane) {
-            TexelEstimate& estimate = estimates[std::size_t(lane)];
-            if (group.active(lane)) block_.sums.end(lane, estimate, estimate.gathered);
+            TexelEstimate& estimate = estimates.texels[std::size_t(lane)];
+            if (!group.active(lane)) continue;
+            block_.sums.end(lane, estimate, estimate.gathered);
+            block_.components.end(std::size_t(lane), estimates.components, &ComponentEstimate::gathered);
         }
         if (emitters) sampleEmitters(group, b, estimates, rays);
     }
 }
 
-void FinalGather::addEmitters(const GatherGroup& group, int firstBlock, std::span<TexelEstimate> estimates,
-                              uint64_t& rays)
+void FinalGather::addEmitters(const GatherGroup& group, int firstBlock, const Estimates& estimates, uint64_t& rays)
 {
     int blocks = 0;
     for (int lane = 0; lane < group.lanes(); ++lane)
-        blocks = std::max(blocks, int(estimates[std::size_t(lane)].blocks()));
+        blocks = std::max(blocks, int(estimates.texels[std::size_t(lane)].blocks()));
     next_.prepareEmitters(group);
     for (int b = firstBlock; b < blocks; ++b) {
         block_.bundle.place(group, b, kAllStrata);
@@ -35,13 +37,14 @@ void FinalGather::addEmitters(const GatherGroup& group, int firstBlock, std::spa
     }
 }
 
-void FinalGather::sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates,
-                                 uint64_t& rays)
+void FinalGather::sampleEmitters(const GatherGroup& group, int number, const Estimates& estimates, uint64_t& rays)
 {
-    next_.sampleEmitters(group, number, block_, estimates, rays);
+    next_.sampleEmitters(group, number, block_, estimates.texels, rays);
     for (int lane = 0; lane < group.lanes(); ++lane) {
-        TexelEstimate& estimate = estimates[std::size_t(lane)];
-        if (next_.sampledEmitters(lane)) block_.sums.end(lane, estimate, estimate.emitted);
+        TexelEstimate& estimate = estimates.texels[std::size_t(lane)];
+        if (!next_.sampledEmitters(lane)) continue;
+        block_.sums.end(lane, estimate, estimate.emitted);
+        block_.components.end(std::size_t(lane), estimates.components, &ComponentEstimate::emitted);
     }
 }
 
@@ -52,6 +55,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& ra
     block_.hits.lookUp(block_.bundle);
     Radiances radiance;
     weightHits(group, number, radiance, rays);
+    if (hasComponents()) addComponents(group, number);
     // A loop of its own: vector loads right after scalar stores to the same memory would stall.
     for (std::size_t stratum = 0; stratum < radiance.size(); ++stratum) {
         Vec3Lanes& r = radiance[stratum];
@@ -127,12 +131,53 @@ vec3 FinalGather::emission(const RayFrom& ray) const
 }
 
 /// Radiance of the continuation path of a ray that hits no patch, or one too near.
-vec3 FinalGather::continuation(const RayFrom& ray, uint64_t& rays) const
+vec3 FinalGather::continuation(const RayFrom& ray, uint64_t& rays)
 {
     Sampler sampler(settings_.seed, ray.texelId, ray.sample);
     const RadianceLookup lookup = cache_ != nullptr ? cache_->lookup() : RadianceLookup{};
-    return paths_.pathRadiance(ray.hit, ray.direction, ray.receiver, gatherPdf(ray.receiver.normal, ray.direction),
-                               settings_.bounces, sampler, rays, lookup);
+    const float pdf = gatherPdf(ray.receiver.normal, ray.direction);
+    if (!hasComponents())
+        return paths_.pathRadiance(ray.hit, ray.direction, ray.receiver, pdf, settings_.bounces, sampler, rays, lookup);
+    lights_.clear();
+    const vec3 all = paths_.pathRadiance(ray.hit, ray.direction, ray.receiver, pdf, settings_.bounces, sampler, rays,
+                                         lookup, nullptr, &lights_);
+    const std::size_t stratum = ray.sample % StratifiedPattern::kBlock;
+    for (const PathLight& light : lights_)
+        block_.components.add(stratum, ray.receiver.lane, light.component, kPi * light.radiance, ray.direction);
+    return all;
+}
+
+/// Adds the components of what weightHits() finds, but for continuation paths, which add their own.
+void FinalGather::addComponents(const GatherGroup& group, int number)
+{
+    const SceneLight& light = paths_.light();
+    for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
+        for (int lane = 0; lane < group.lanes(); ++lane) {
+            if (!group.active(lane)) continue;
+            const auto s = std::size_t(stratum);
+            const auto l = std::size_t(lane);
+            const std::size_t sample = sampleOf(stratum, lane);
+            const vec3 direction = block_.bundle.direction(stratum, lane);
+            const vec3 scale = kPi * block_.bundle.hit(stratum, lane).tint;
+            if (block_.hits.missed(sample)) {
+                block_.components.add(s, l, light.skyComponent(), scale * light.sky().dimRadiance(direction),
+                                      direction);
+                continue;
+            }
+            const PatchRadiance* cached = block_.hits.radiance(sample);
+            if (cached == nullptr) continue;
+            const PatchId patch = block_.hits.patch(sample);
+            const bool isSource = next_.samplesSources(l) && next_.isSource(patch);
+            const float weight = isSource ? next_.misWeightOfHit(block_.bundle, stratum, lane, patch) : 1.0f;
+            const std::span<const ComponentRadiance> components = cache_->componentsOf(*cached);
+            for (std::size_t c = 0; c < components.size(); ++c)
+                block_.components.add(s, l, int(c), scale * (weight * components[c].along(direction)), direction);
+            if (!block_.hits.emissive(sample)) continue;
+            const uint32_t triangle = paths_.surfaces().triangleAt(block_.bundle.hit(stratum, lane).face.hitIndex);
+            block_.components.add(s, l, light.emissionComponent(triangle),
+                                  scale * emission(rayOf(group, lane, number, stratum)), direction);
+        }
+    }
 }
 
 void FinalGather::finish(const TexelMap& map, std::span<const uint32_t> texels, std::span<const TracedBlocks> blocks,
@@ -149,11 +194,11 @@ void FinalGather::finish(const TexelMap& map, std::span<const uint32_t> texels, 
         finish(blocks[lane], &next_.cut(), lane, rays);
         estimates[lane] = *blocks[lane].estimate;
     }
-    addEmitters(group, blocks[0].firstBlock, estimates, rays);
+    addEmitters(group, blocks[0].firstBlock, {estimates, {}}, rays);
     for (std::size_t lane = 0; lane < texels.size(); ++lane) *blocks[lane].estimate = estimates[lane];
 }
 
-void FinalGather::finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane, uint64_t& rays) const
+void FinalGather::finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane, uint64_t& rays)
 {
     if (blocks.pointCount == 0) return;
     std::size_t open = 0;

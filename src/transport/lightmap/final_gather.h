@@ -11,15 +11,19 @@ public:
     /// `cache` and `guides` null = no bounces: rays receive emitters and sky alone.
     FinalGather(const PathTracer& paths, const StratifiedPattern& pattern, const RadianceCache* cache,
                 const Guides* guides, const IntegrationSettings& settings)
-        : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings), block_(cache),
-          next_(paths, pattern, cache, guides, settings)
+        : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings),
+          block_(cache, paths.light().components()), next_(paths, pattern, cache, guides, settings)
     {}
 
-    /// Adds the given blocks of 16 samples to the group's texels. `estimates` by lane.
-    void add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelEstimate> estimates,
-             uint64_t& rays);
+    /// Estimates of a group's texels, by lane; those of components by lane and component, where there are some.
+    struct Estimates {
+        std::span<TexelEstimate> texels;
+        std::span<ComponentEstimate> components;
+    };
+    /// Adds the given blocks of 16 samples to the group's texels.
+    void add(const GatherGroup& group, int firstBlock, int blockCount, const Estimates& estimates, uint64_t& rays);
     /// Adds emitter samples to texels with gathered light: as many blocks as that has, from a first one on.
-    void addEmitters(const GatherGroup& group, int firstBlock, std::span<TexelEstimate> estimates, uint64_t& rays);
+    void addEmitters(const GatherGroup& group, int firstBlock, const Estimates& estimates, uint64_t& rays);
 
     /// Blocks of a texel that a device has traced.
     struct TracedBlocks {
@@ -41,7 +45,9 @@ private:
     void gatherBlock(const GatherGroup& group, int number, uint64_t& rays);
     void tint(Radiances& radiance) const;
     void weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays);
-    void sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates, uint64_t& rays);
+    void sampleEmitters(const GatherGroup& group, int number, const Estimates& estimates, uint64_t& rays);
+    void addComponents(const GatherGroup& group, int number);
+    [[nodiscard]] bool hasComponents() const { return block_.components.count() > 0; }
     /// A ray that hits an emitter, or goes on as a path.
     struct RayFrom {
         Receiver receiver;
@@ -52,8 +58,8 @@ private:
     };
     [[nodiscard]] RayFrom rayOf(const GatherGroup& group, int lane, int number, int stratum) const;
     [[nodiscard]] vec3 emission(const RayFrom& ray) const;
-    [[nodiscard]] vec3 continuation(const RayFrom& ray, uint64_t& rays) const;
-    void finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane, uint64_t& rays) const;
+    [[nodiscard]] vec3 continuation(const RayFrom& ray, uint64_t& rays);
+    void finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane, uint64_t& rays);
 
     const PathTracer& paths_;
     const StratifiedPattern& pattern_;
@@ -61,6 +67,7 @@ private:
     const IntegrationSettings& settings_;
     GatherBlock block_;
     NextEvent next_;
+    PathLights lights_; ///< of the current continuation path
 };
 
 } // namespace halflight

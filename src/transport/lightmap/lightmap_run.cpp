@@ -29,7 +29,7 @@ LightmapRun::LightmapRun(const LightmapInput& input, std::span<const uint32_t> t
       plan_(input.settings, input.paths.surfaces().geometry(), input.map, input.state.grid, input.state.mean, samples,
             scale),
       grid_(input.paths.surfaces().geometry(), input.map, input.state.grid, texelStepOf(input.settings, input.map)),
-      texels_{TexelSet(input.map, texels), {}}
+      texels_{TexelSet(input.map, texels), {}, {}}
 {
     TexelSet& set = texels_.texels;
     const auto neighbours = [&](uint32_t texel, const auto& add) { grid_.forNeighbours(texel, add); };
@@ -42,6 +42,7 @@ LightmapRun::LightmapRun(const LightmapInput& input, std::span<const uint32_t> t
     set.extend([&](uint32_t texel, const auto& add) { input.state.grid.around(texel, SamplePlan::kRadius, add); });
     addAnchors();
     texels_.states.resize(set.size());
+    texels_.components.resize(set.size() * componentCount());
 }
 
 IrradianceEstimate LightmapRun::estimateOf(uint32_t texel) const
@@ -58,6 +59,25 @@ IrradianceEstimate LightmapRun::estimateOf(uint32_t texel) const
     return estimate;
 }
 
+void LightmapRun::componentsOf(uint32_t texel, IrradianceEstimate& all, std::span<IrradianceEstimate> out) const
+{
+    const std::size_t count = componentCount();
+    const auto components = std::span(texels_.components).subspan(texels_.texels.find(texel) * count, count);
+    if (all.valid) all.irradiance = all.moment = vec3(0.0f);
+    for (std::size_t c = 0; c < count; ++c) {
+        const ComponentEstimate& e = components[c];
+        out[c] = {};
+        out[c].valid = all.valid;
+        if (!all.valid) continue;
+        out[c].irradiance = e.gathered.mean() + e.emitted.mean();
+        out[c].moment = e.gathered.meanMoment() + e.emitted.meanMoment();
+        out[c].varianceOfMean = e.gathered.varianceOfMean() + e.emitted.varianceOfMean();
+        out[c].samples = all.samples;
+        all.irradiance += out[c].irradiance;
+        all.moment += out[c].moment;
+    }
+}
+
 Status LightmapRun::firstPass()
 {
     std::vector<uint32_t> places;
@@ -71,7 +91,8 @@ Status LightmapRun::firstPass()
         });
         std::erase_if(places, [&](uint32_t place) { return stateAt(place).interpolated || takeFirstPass(place); });
         const int blocks = plan_.firstBlocks();
-        const auto first = [blocks](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
+        const auto first = [blocks](FinalGather& gather, const GatherGroup& group,
+                                    const FinalGather::Estimates& estimates,
                                     uint64_t& rays) { gather.add(group, 0, blocks, estimates, rays); };
         const std::vector<int> same(input_.state.device != nullptr ? places.size() : 0, blocks);
         if (Status s = input_.state.device != nullptr ? extendOnDevice(places, same, 0) : extend(places, first); !s)
@@ -87,6 +108,9 @@ bool LightmapRun::takeFirstPass(uint32_t place)
     const std::optional<TexelStates>& first = input_.state.firstPass;
     if (!first || scale_ <= 0.0f || !first->texels.contains(texelAt(place))) return false;
     stateAt(place) = first->of(texelAt(place));
+    const std::size_t count = componentCount();
+    const auto components = std::span(first->components).subspan(first->texels.find(texelAt(place)) * count, count);
+    std::copy(components.begin(), components.end(), componentsAt(place).begin());
     return true;
 }
 
@@ -139,7 +163,8 @@ Status LightmapRun::laterPasses()
             for (std::size_t b = begin; b < end; ++b) {
                 const int blocks = batches[b].blocks;
                 extendSome(batches[b].places, gather,
-                           [first, blocks](FinalGather& g, const GatherGroup& group, std::span<TexelEstimate> estimates,
+                           [first, blocks](FinalGather& g, const GatherGroup& group,
+                                           const FinalGather::Estimates& estimates,
                                            uint64_t& rays) { g.add(group, first, blocks, estimates, rays); });
             }
         });
@@ -161,28 +186,41 @@ void LightmapRun::tryInterpolate(uint32_t place)
     if (!(inverseSquare * anchors.meters * anchors.meters <= kMostBend)) return;
     TexelState& s = stateAt(place);
     s.interpolated = s.valid = true;
-    interpolate(anchors, s);
+    interpolate(anchors, place);
 }
 
 /// Sets the gathered light to the mean of the anchors'.
-void LightmapRun::interpolate(const SparseGrid::Anchors& anchors, TexelState& state) const
+void LightmapRun::interpolate(const SparseGrid::Anchors& anchors, uint32_t place)
 {
     const float share = 1.0f / float(anchors.count);
-    vec3 irradiance(0.0f);
-    vec3 moment(0.0f);
-    float variance = 0.0f;
     float inverseSquares = 0.0f; // per half-block
     uint32_t count = ~0u;
     for (int i = 0; i < anchors.count; ++i) {
         const TexelEstimate& e = texels_.of(anchors.texels[std::size_t(i)]).estimate;
-        irradiance += share * e.gathered.mean();
-        moment += share * e.gathered.meanMoment();
-        variance += share * share * e.gathered.varianceOfMean();
         inverseSquares += share * e.inverseSquares / float(e.gathered.count);
         count = std::min(count, e.gathered.count);
     }
-    state.estimate.gathered = RunningMoments::of(irradiance, moment, variance, count);
+    // `gatheredOf` gives a term of an anchor, whose texel has a place.
+    const auto meanOf = [&](const auto& gatheredOf) {
+        vec3 irradiance(0.0f);
+        vec3 moment(0.0f);
+        float variance = 0.0f;
+        for (int i = 0; i < anchors.count; ++i) {
+            const RunningMoments& gathered = gatheredOf(texels_.texels.find(anchors.texels[std::size_t(i)]));
+            irradiance += share * gathered.mean();
+            moment += share * gathered.meanMoment();
+            variance += share * share * gathered.varianceOfMean();
+        }
+        return RunningMoments::of(irradiance, moment, variance, count);
+    };
+    TexelState& state = stateAt(place);
+    state.estimate.gathered =
+        meanOf([&](std::size_t anchor) -> const RunningMoments& { return texels_.states[anchor].estimate.gathered; });
     state.estimate.inverseSquares = inverseSquares * float(count);
+    for (std::size_t c = 0; c < componentCount(); ++c)
+        componentsAt(place)[c].gathered = meanOf([&](std::size_t anchor) -> const RunningMoments& {
+            return texels_.components[anchor * componentCount() + c].gathered;
+        });
 }
 
 /// Interpolates again from the final samples of the anchors, if these have grown. Emitters are sampled at every texel,
@@ -199,12 +237,12 @@ Status LightmapRun::finishInterpolated()
                 SparseGrid::Anchors anchors;
                 if (grid_.spacingOf(texelAt(places[i])) != spacing) continue;
                 grid_.anchorsOf(texelAt(places[i]), anchors);
-                interpolate(anchors, stateAt(places[i]));
+                interpolate(anchors, places[i]);
             }
         });
     }
     if (!input_.paths.light().samplesEmission()) return {};
-    return extend(places, [](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
+    return extend(places, [](FinalGather& gather, const GatherGroup& group, const FinalGather::Estimates& estimates,
                              uint64_t& rays) { gather.addEmitters(group, 0, estimates, rays); });
 }
 
@@ -237,15 +275,21 @@ void LightmapRun::extendSome(std::span<const uint32_t> places, FinalGather& gath
     uint64_t traced = 0;
     std::array<uint32_t, kLanes> texels{};
     std::array<TexelEstimate, kLanes> estimates;
+    const std::size_t count = componentCount();
+    std::vector<ComponentEstimate> components(std::size_t(kLanes) * count); // by lane
     for (std::size_t i = 0; i < places.size() && !stopped(); i += kLanes) {
         const std::size_t lanes = std::min(places.size() - i, std::size_t(kLanes));
         for (std::size_t k = 0; k < lanes; ++k) {
             texels[k] = texelAt(places[i + k]);
             estimates[k] = stateAt(places[i + k]).estimate;
+            std::ranges::copy(componentsAt(places[i + k]), components.begin() + std::ptrdiff_t(k * count));
         }
         const GatherGroup group(input_.paths, input_.map, std::span<const uint32_t>(texels.data(), lanes));
-        add(gather, group, std::span<TexelEstimate>(estimates), traced);
-        for (std::size_t k = 0; k < lanes; ++k) stateAt(places[i + k]).estimate = estimates[k];
+        add(gather, group, FinalGather::Estimates{estimates, components}, traced);
+        for (std::size_t k = 0; k < lanes; ++k) {
+            stateAt(places[i + k]).estimate = estimates[k];
+            std::ranges::copy(std::span(components).subspan(k * count, count), componentsAt(places[i + k]).begin());
+        }
     }
     rays_ += traced;
 }

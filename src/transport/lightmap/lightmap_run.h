@@ -68,6 +68,8 @@ public:
     [[nodiscard]] float scaleOf(std::span<const TexelDemand> demands) const { return plan_.scaleOf(demands); }
     [[nodiscard]] TexelStates takeStates() { return std::move(texels_); }
     [[nodiscard]] IrradianceEstimate estimateOf(uint32_t texel) const;
+    /// Of each component, one after another. Sums `all` of them too.
+    void componentsOf(uint32_t texel, IrradianceEstimate& all, std::span<IrradianceEstimate> out) const;
 
 private:
     Status laterPasses();
@@ -75,7 +77,13 @@ private:
     Status finishInterpolated();
     bool takeFirstPass(uint32_t place);
     void tryInterpolate(uint32_t place);
-    void interpolate(const SparseGrid::Anchors& anchors, TexelState& state) const;
+    void interpolate(const SparseGrid::Anchors& anchors, uint32_t place);
+    [[nodiscard]] std::size_t componentCount() const { return std::size_t(input_.paths.light().components()); }
+    /// The components of the texel at a place.
+    [[nodiscard]] std::span<ComponentEstimate> componentsAt(std::size_t place)
+    {
+        return std::span(texels_.components).subspan(place * componentCount(), componentCount());
+    }
     template<typename Add> Status extend(const std::vector<uint32_t>& places, const Add& add);
     template<typename Add> void extendSome(std::span<const uint32_t> places, FinalGather& gather, const Add& add);
     [[nodiscard]] bool stopped() const { return progress_.cancelled() || input_.paths.surfaces().failed(); }

@@ -80,6 +80,7 @@ void NextEvent::setSky(const GatherBlock& block, std::size_t stratum, const Ligh
         e.radiance = s.radiance;
         e.rayVisible = false;
         e.pdfArea = s.pdf / (kSkyMeters * kSkyMeters);
+        e.component = paths_.light().skyComponent();
         lanes.set(lane, e);
     }
 }
@@ -102,7 +103,7 @@ void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<co
 }
 
 /// Turns a sample of a source into an emitter sample, if the cache has the radiance of its point.
-void NextEvent::setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes) const
+void NextEvent::setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes)
 {
     const auto lane = std::size_t(laneOf(sample));
     const SourcePoint& point = points_[sample];
@@ -119,6 +120,7 @@ void NextEvent::setSource(std::size_t sample, const GatherBlock& block, EmitterL
     // A ray passes through the uncovered part.
     const float coverage = paths_.surfaces().coverageOfHit(point.face.hitIndex, point.barycentric);
     e.radiance = cached->along(glm::normalize(way)) * coverage;
+    sourceRadiance_[lane] = cached;
     e.pdfArea = point.pdfArea * sourceFraction(lane);
     lanes.set(lane, e);
 }
@@ -133,6 +135,7 @@ void NextEvent::sampleSources(const GatherGroup& group, int number, GatherBlock&
         if (any) all[count++] = uint8_t(stratum);
     }
     const std::span<const uint8_t> strata(all.data(), count);
+    ofSources_ = true;
     chooseSources(group, number, strata);
     addSamples(
         strata,
@@ -146,7 +149,9 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
                                std::span<const TexelEstimate> estimates, uint64_t& rays)
 {
     constexpr int kBlock = StratifiedPattern::kBlock;
+    ofSources_ = false;
     block.sums.begin();
+    block.components.begin();
     emitterLanes_.fill(false);
     std::array<int, kLanes> sampled{}; ///< strata of the block
     std::array<StratifiedPattern::Block, kLanes> points;
@@ -157,7 +162,9 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
         const auto lane = std::size_t(i);
         emitterLanes_[lane] = group.active(i) && int(estimates[lane].blocks()) > number;
         if (!emitterLanes_[lane]) continue;
-        const float gathered = luminance(estimates[lane].gathered.mean());
+        // Components have no roulette: beside others' light, that of a dim one would be noise.
+        const bool whole = block.components.count() == 0;
+        const float gathered = whole ? luminance(estimates[lane].gathered.mean()) : 0.0f;
         const float expected = cut_.total[lane] + skyIlluminance;
         const float survival = DirectLight::rouletteSurvival(expected, gathered);
         if (skyIlluminance > 0.0f)
@@ -232,8 +239,26 @@ void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, Gathe
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const bool lit = !batch[lane].meetsNothing() && transmittance[lane] != vec3(0.0f);
         irradiance.set(lane, lit ? lanes.radiance[lane] * (unshadowed[lane] * transmittance[lane]) : vec3(0.0f));
+        if (lit && block.components.count() > 0)
+            addComponents(stratum, lane, lanes, unshadowed[lane] * transmittance[lane], batch[lane].direction, block);
     }
     block.sums.add(stratum, irradiance, batch);
+}
+
+/// `share`: irradiance per radiance.
+void NextEvent::addComponents(std::size_t stratum, std::size_t lane, const EmitterLanes& lanes, vec3 share,
+                              vec3 direction, GatherBlock& block) const
+{
+    if (!ofSources_) {
+        block.components.add(stratum, lane, lanes.component[lane], lanes.radiance[lane] * share, direction);
+        return;
+    }
+    const PatchRadiance& cached = *sourceRadiance_[lane];
+    const float all = luminance(cached.along(direction));
+    const float coverage = all > 0.0f ? luminance(lanes.radiance[lane]) / all : 0.0f;
+    const std::span<const ComponentRadiance> light = cache_->componentsOf(cached);
+    for (std::size_t c = 0; c < light.size(); ++c)
+        block.components.add(stratum, lane, int(c), light[c].along(direction) * (share * coverage), direction);
 }
 
 } // namespace halflight

@@ -15,9 +15,10 @@ int sourceSamplesOf(const Guide& guide);
 
 /// Rays, sums and lookups of the block that is being gathered.
 struct GatherBlock {
-    explicit GatherBlock(const RadianceCache* cache) : hits(cache) {}
+    GatherBlock(const RadianceCache* cache, int count) : components(count), hits(cache) {}
     RayBundle bundle;
     BlockSums sums;
+    ComponentSums components;
     HitLookup hits;
 };
 
@@ -71,10 +72,12 @@ private:
     void chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata);
     void setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
                 const Vec2Lanes& u, EmitterLanes& lanes) const;
-    void setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes) const;
+    void setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes);
     template<typename Choose>
     void addSamples(std::span<const uint8_t> strata, const Choose& choose, GatherBlock& block, uint64_t& rays);
     void addSamples(std::size_t stratum, const EmitterLanes& lanes, GatherBlock& block, uint64_t& rays);
+    void addComponents(std::size_t stratum, std::size_t lane, const EmitterLanes& lanes, vec3 share, vec3 direction,
+                       GatherBlock& block) const;
 
     const PathTracer& paths_;
     const StratifiedPattern& pattern_;
@@ -86,6 +89,9 @@ private:
     std::array<Guide, kLanes> guide_;
     std::array<int, kLanes> sourceSamples_{}; ///< of a block
     std::array<SourcePoint, kBlockSamples> points_;
+    /// Radiance in the cache of the sources that are sampled, by lane; only with components.
+    std::array<const PatchRadiance*, kLanes> sourceRadiance_{};
+    bool ofSources_ = false; ///< samples are of secondary sources, else of emitters and the sky
 };
 
 } // namespace halflight

@@ -14,9 +14,11 @@ namespace {
 
 /// Irradiance is pi times the mean radiance of cosine-distributed paths (pdf cos / pi), plus emitter samples.
 RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settings, const TexelPoints& points,
-                      int pointCount, int samples, uint32_t id, uint64_t& rays)
+                      int pointCount, int samples, uint32_t id, std::span<RunningMoments> components, uint64_t& rays)
 {
     RunningMoments gathered;
+    PathLights lights;
+    std::vector<RunningMoments> sample(components.size());
     for (int s = 0; s < samples; ++s) {
         const SurfacePoint& point = points[std::size_t(s % pointCount)];
         Sampler sampler(settings.seed, id, uint32_t(s));
@@ -24,8 +26,9 @@ RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settin
         const float pdf = gatherPdf(point.normal, direction);
         const DirectLight::EmitterAtSurface emitter = paths.direct().emitterIrradiance(point, 0.0f, sampler, rays);
         const DirectLight::EmitterAtSurface sky = paths.direct().skyIrradiance(point, 0.0f, sampler, rays);
-        const PathTracer::Incoming in = paths.incoming({paths.surfaces().rayOrigin(point), point.normal}, direction,
-                                                       pdf, settings.bounces, sampler, rays);
+        const PathTracer::Incoming in =
+            paths.incoming({paths.surfaces().rayOrigin(point), point.normal}, direction, pdf, settings.bounces, sampler,
+                           rays, components.empty() ? nullptr : &lights);
         const vec3 bounced = kPi * in.radiance;
         const vec3 value = emitter.irradiance + sky.irradiance + bounced;
         // Lights of extreme size or intensity may overflow.
@@ -33,6 +36,18 @@ RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settin
         const vec3 moment = luminance(emitter.irradiance) * emitter.direction +
                             luminance(sky.irradiance) * sky.direction + luminance(bounced) * direction;
         gathered.add(finite ? value : vec3(0.0f), finite ? moment : vec3(0.0f));
+        if (components.empty()) continue;
+        std::ranges::fill(sample, RunningMoments{});
+        const auto addTo = [&](int component, vec3 irradiance, vec3 from) {
+            sample[std::size_t(component)].sum += irradiance;
+            sample[std::size_t(component)].moment += luminance(irradiance) * from;
+        };
+        addTo(emitter.component, emitter.irradiance, emitter.direction);
+        addTo(sky.component, sky.irradiance, sky.direction);
+        for (const PathLight& light : lights) addTo(light.component, kPi * light.radiance, direction);
+        lights.clear();
+        for (std::size_t c = 0; c < components.size(); ++c)
+            components[c].add(finite ? sample[c].sum : vec3(0.0f), finite ? sample[c].moment : vec3(0.0f));
     }
     return gathered;
 }
@@ -78,31 +93,37 @@ bool walkGetsOut(const PathTracer& paths, SurfacePoint point, std::span<const ve
 } // namespace
 
 Status tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
-                         std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
-                         const Progress& progress, std::atomic<uint64_t>& rays)
+                         std::span<const uint32_t> texels, int samples, const TexelLight& out, const Progress& progress,
+                         std::atomic<uint64_t>& rays)
 {
     constexpr std::size_t kTexelGrain = 64;
-    const auto estimateOf = [&](const Texel& texel, uint64_t& traced) {
+    const std::size_t count = out.components.empty() ? 0 : std::size_t(paths.light().components());
+    const auto estimateOf = [&](const Texel& texel, std::span<IrradianceEstimate> ofComponents, uint64_t& traced) {
         IrradianceEstimate estimate;
         estimate.valid = texel.validPoints != 0;
+        std::ranges::fill(ofComponents, estimate);
         if (!estimate.valid) return estimate;
         TexelPoints points;
         int pointCount = texelPoints(paths.surfaces().geometry(), map, texel, points);
         keepPoints(texel.validPoints, points, pointCount);
         spreadOverSides(paths.surfaces().geometry(), points, pointCount);
         const uint32_t id = texelId(map, texel);
-        const RunningMoments gathered = gather(paths, settings, points, pointCount, samples, id, traced);
-        estimate.irradiance = gathered.mean();
-        estimate.moment = gathered.meanMoment();
-        estimate.varianceOfMean = gathered.varianceOfMean();
-        estimate.samples = gathered.count;
+        std::vector<RunningMoments> components(ofComponents.size());
+        const auto take = [](const RunningMoments& from, IrradianceEstimate& to) {
+            to.irradiance = from.mean();
+            to.moment = from.meanMoment();
+            to.varianceOfMean = from.varianceOfMean();
+            to.samples = from.count;
+        };
+        take(gather(paths, settings, points, pointCount, samples, id, components, traced), estimate);
+        for (std::size_t c = 0; c < components.size(); ++c) take(components[c], ofComponents[c]);
         return estimate;
     };
     const bool finished =
         parallelFor(texels.size(), kTexelGrain, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
             uint64_t traced = 0;
             for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-                out[i] = estimateOf(map.texels[texels[i]], traced);
+                out.texels[i] = estimateOf(map.texels[texels[i]], out.components.subspan(i * count, count), traced);
             rays += traced;
         });
     return paths.surfaces().outcome(finished);
@@ -112,7 +133,7 @@ Status traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& se
                           std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
                           const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    if (Status s = tracePathLightmap(paths, settings, map, texels, samples, out, progress, rays); !s) return s;
+    if (Status s = tracePathLightmap(paths, settings, map, texels, samples, {out, {}}, progress, rays); !s) return s;
     constexpr std::size_t kTexelGrain = 64;
     const bool finished =
         parallelFor(texels.size(), kTexelGrain, progress, "lights", [&](std::size_t begin, std::size_t end) {
@@ -156,7 +177,7 @@ Status traceSides(const PathTracer& paths, const IntegrationSettings& settings, 
                 }
                 if (samples == 0) continue;
                 one[0] = points[i];
-                side.irradiance = gather(paths, own, one, 1, samples, id, traced).mean();
+                side.irradiance = gather(paths, own, one, 1, samples, id, {}, traced).mean();
                 paths.light().forLightsNear(points[i].position, [&](const PunctualLight& light, uint32_t) {
                     vec3& sum = light.directAtTexels || light.maskOfLight ? side.irradiance : side.direct;
                     sum += lightAt(paths, light, points[i], sampler, traced);

@@ -10,8 +10,8 @@ namespace halflight {
 
 /// As Integrator::irradiance(), without fully baked lights: each sample is a path.
 Status tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
-                         std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
-                         const Progress& progress, std::atomic<uint64_t>& rays);
+                         std::span<const uint32_t> texels, int samples, const TexelLight& out, const Progress& progress,
+                         std::atomic<uint64_t>& rays);
 
 /// As Integrator::irradiance() for rough requests.
 Status traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,

@@ -22,6 +22,7 @@ struct TexelState {
 struct TexelStates {
     TexelSet texels;
     std::vector<TexelState> states;
+    std::vector<ComponentEstimate> components; ///< by texel and component; empty where light is estimated as one
 
     [[nodiscard]] const TexelState& of(uint32_t texel) const { return states[texels.find(texel)]; }
 };

@@ -53,7 +53,8 @@ public:
     Result<Radiosity> build()
     {
         if (Status s = runPasses(); !s) return s.error();
-        RadiositySolution solution = solveRadiosity(patches_, std::move(factors_), input_.settings.bounces);
+        RadiositySolution solution =
+            solveRadiosity(patches_, std::move(factors_), input_.settings.bounces, input_.paths.light().components());
         return Radiosity{std::move(patches_), std::move(solution)};
     }
 
@@ -159,6 +160,7 @@ private:
                          sampler.gather(some);
                          out.samples.shrink_to_fit();
                          out.links.shrink_to_fit();
+                         out.components.shrink_to_fit();
                          rays_ += sampler.rays();
                      });
     }

@@ -96,7 +96,7 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
     const vec3 direction = bundle_.direction(stratum, lane);
     const RayHit& hit = bundle_.hit(stratum, lane);
     if (!hit.found()) {
-        samples.gathered += hit.tint * paths_.light().sky().dimRadiance(direction);
+        addGathered(samples, paths_.light().skyComponent(), hit.tint * paths_.light().sky().dimRadiance(direction));
         return;
     }
     const PatchId target = pass_.targetOf(hit.face, hit.barycentric);
@@ -110,9 +110,17 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
     if (pass_.kind() == PassKind::Fronts) findNear(source, target, hit);
     if (!pass_.layout().emissive(hit.face)) return;
     const GatherGroup::Origin& s = group.origin(lane, number);
-    samples.gathered +=
-        hit.tint * paths_.direct().weightedEmission(tracer_.surfaceAt(hit), direction, {s.position, s.normal},
-                                                    gatherPdf(s.normal, direction));
+    const SurfaceHit surface = tracer_.surfaceAt(hit);
+    addGathered(samples, paths_.light().emissionComponent(surface.point.triangle),
+                hit.tint * paths_.direct().weightedEmission(surface, direction, {s.position, s.normal},
+                                                            gatherPdf(s.normal, direction)));
+}
+
+/// Adds radiance of sky or emitters along a ray.
+void FormFactorSampler::addGathered(PatchSamples& samples, int component, vec3 radiance)
+{
+    samples.gathered += radiance;
+    if (components() > 0) out_.componentsOf(samples, components())[std::size_t(component)].gathered += radiance;
 }
 
 /// Continues a ray that hits no patch as a path. Its radiance is split by the number of reflections.
@@ -122,8 +130,21 @@ void FormFactorSampler::addPath(const GatherGroup& group, int lane, int block, i
     const vec3 direction = bundle_.direction(stratum, lane);
     byBounce_.assign(1, vec3(0.0f));
     Sampler sampler(seed_, group.id(lane), uint32_t(block * StratifiedPattern::kBlock + stratum));
+    lights_.clear();
     paths_.pathRadiance(bundle_.hit(stratum, lane), direction, {s.position, s.normal}, gatherPdf(s.normal, direction),
-                        pass_.input().settings.bounces - 1, sampler, rays_, {}, &byBounce_);
+                        pass_.input().settings.bounces - 1, sampler, rays_, {}, &byBounce_,
+                        components() > 0 ? &lights_ : nullptr);
+    if (components() > 0) {
+        for (const PathLight& light : lights_) {
+            if (light.reflections == 0) {
+                addGathered(out_.last(source), light.component, light.radiance);
+            } else {
+                out_.late.push_back({source, uint32_t(light.reflections), light.radiance});
+                out_.lateComponents.push_back(uint8_t(light.component));
+            }
+        }
+        return;
+    }
     out_.last(source).gathered += byBounce_[0];
     for (uint32_t r = 1; r < byBounce_.size(); ++r) {
         if (byBounce_[r] != vec3(0.0f)) out_.late.push_back({source, r, byBounce_[r]});
@@ -140,55 +161,82 @@ void FormFactorSampler::findNear(PatchId source, PatchId target, const RayHit& h
     if (source < pass_.layout().chartPatches) out_.hitNear.push_back(source);
 }
 
-/// One sample of the lights for each active lane.
+/// One sample of the lights for each active lane; of the lights of each component where there are some.
 void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
 {
     struct LaneSample {
         PatchId source = kNoPatch;
         const SurfacePoint* point = nullptr;
         Sampler sampler{0, 0, 0};
-        SceneLight::LightChoice choice;
     };
     std::array<LaneSample, kLanes> samples;
-    ShadowPacket packet(paths_);
     for (int lane = 0; lane < kLanes; ++lane) {
         LaneSample& s = samples[std::size_t(lane)];
         if (!group.active(lane)) continue;
         s.point = &group.point(lane, group.pointOf(lane, 0, sample & (kMaxTexelPoints - 1)));
         s.source = pass_.sourceOf(group, lane, *s.point);
-        if (s.source == kNoPatch) continue;
-        s.sampler = Sampler(~seed_, group.id(lane), uint32_t(sample));
-        s.choice = paths_.light().choosePunctual(*s.point, false, s.sampler);
-        if (s.choice.light == nullptr) continue;
-        packet.add(lane, *s.choice.light, *s.point, s.choice.disc, rays_);
+        if (s.source != kNoPatch) s.sampler = Sampler(~seed_, group.id(lane), uint32_t(sample));
     }
-    const std::array<vec3, kLanes> transmittance = packet.trace();
-    for (int lane = 0; lane < kLanes; ++lane) {
-        LaneSample& s = samples[std::size_t(lane)];
-        if (s.source == kNoPatch) continue;
-        const SurfacePoint& point = *s.point;
-        PatchSamples& sums = out_.recent(s.source);
-        const vec3 irradiance = s.choice.irradiance(transmittance[std::size_t(lane)]);
-        const auto emitter = paths_.direct().emitterIrradiance(point, luminance(irradiance), s.sampler, rays_);
-        const auto sky = paths_.direct().skyIrradiance(point, luminance(irradiance), s.sampler, rays_);
-        sums.direct += irradiance;
-        sums.direct += emitter.irradiance;
-        sums.direct += sky.irradiance;
-        const SurfaceReflectance surface = tracer_.materials().reflectanceAt(point.triangle, point.barycentric);
-        sums.albedo += paths_.albedoOf(surface);
-        if (paths_.glossy()) {
-            sums.lobes.addSurface(surface, point, s.sampler);
-            if (s.choice.light != nullptr) {
-                const vec3 toLight = sampleLightRay(*s.choice.light, point.position, s.choice.disc).direction;
-                sums.lobes.addLight(surface, point, toLight, irradiance, s.sampler);
-            }
-            sums.lobes.addLight(surface, point, emitter.direction, emitter.irradiance, s.sampler);
-            sums.lobes.addLight(surface, point, sky.direction, sky.irradiance, s.sampler);
+    const std::size_t choosers = paths_.light().choosers();
+    std::array<std::array<LampSample, kMostLightGroups + 1>, kLanes> lamps;
+    for (std::size_t c = 0; c < choosers; ++c) {
+        std::array<SceneLight::LightChoice, kLanes> choices;
+        ShadowPacket packet(paths_);
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            LaneSample& s = samples[lane];
+            if (s.source == kNoPatch) continue;
+            choices[lane] = paths_.light().choosePunctualFrom(c, *s.point, s.sampler);
+            if (choices[lane].light == nullptr) continue;
+            packet.add(int(lane), *choices[lane].light, *s.point, choices[lane].disc, rays_);
         }
-        ++sums.directCount;
-        const float widths = s.source < pass_.layout().patchCount() ? kNearestInPatches : kNearestInElements;
-        sums.minDistance = std::max(sums.minDistance, widths * pass_.widthOf(s.source, point.triangle));
+        const std::array<vec3, kLanes> transmittance = packet.trace();
+        for (std::size_t lane = 0; lane < kLanes; ++lane)
+            lamps[lane][c] = {choices[lane].light, choices[lane].irradiance(transmittance[lane]), choices[lane].disc};
     }
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        LaneSample& s = samples[lane];
+        if (s.source != kNoPatch) addDirectLight(s.source, *s.point, s.sampler, std::span(lamps[lane]).first(choosers));
+    }
+}
+
+/// Adds light that reaches a point of a patch: of lamps, of one emitter and of the sky.
+void FormFactorSampler::addDirectLight(PatchId source, const SurfacePoint& point, Sampler& sampler,
+                                       std::span<const LampSample> lamps)
+{
+    PatchSamples& sums = out_.recent(source);
+    const std::span<ComponentSamples> components =
+        this->components() > 0 ? out_.componentsOf(sums, this->components()) : std::span<ComponentSamples>();
+    const bool glossy = paths_.glossy();
+    const SurfaceReflectance surface = tracer_.materials().reflectanceAt(point.triangle, point.barycentric);
+    // Components have no roulette: beside others' light, that of a dim one would be noise.
+    const float other = components.empty() && !lamps.empty() ? luminance(lamps[0].irradiance) : 0.0f;
+    const auto emitter = paths_.direct().emitterIrradiance(point, other, sampler, rays_);
+    const auto sky = paths_.direct().skyIrradiance(point, other, sampler, rays_);
+    sums.albedo += paths_.albedoOf(surface);
+    if (glossy) sums.lobes.addSurface(surface, point, sampler);
+    const auto add = [&](vec3 direction, vec3 irradiance, int component) {
+        sums.direct += irradiance;
+        if (components.empty()) {
+            if (glossy) sums.lobes.addLight(surface, point, direction, irradiance, sampler);
+            return;
+        }
+        ComponentSamples& own = components[std::size_t(component)];
+        own.direct += irradiance;
+        if (!glossy) return;
+        LobeMoments lobes;
+        lobes.addLight(surface, point, direction, irradiance, sampler);
+        sums.lobes.add(lobes);
+        own.addLobes(lobes);
+    };
+    for (const LampSample& lamp : lamps) {
+        if (lamp.light == nullptr) continue;
+        add(sampleLightRay(*lamp.light, point.position, lamp.disc).direction, lamp.irradiance, lamp.light->component);
+    }
+    add(emitter.direction, emitter.irradiance, emitter.component);
+    add(sky.direction, sky.irradiance, sky.component);
+    ++sums.directCount;
+    const float widths = source < pass_.layout().patchCount() ? kNearestInPatches : kNearestInElements;
+    sums.minDistance = std::max(sums.minDistance, widths * pass_.widthOf(source, point.triangle));
 }
 
 } // namespace halflight

@@ -20,6 +20,22 @@ struct PatchSamples {
     float minDistance = 0.0f; ///< as PatchRadiance::minDistance
 };
 
+/// Of PatchSamples, the light of one component.
+struct ComponentSamples {
+    vec3 gathered{0.0f};
+    vec3 direct{0.0f};
+    vec3 exitance{0.0f}; ///< of lobes, as LobeMoments
+    float sampledExitance = 0.0f;
+    vec3 sampledMoment{0.0f};
+
+    void addLobes(const LobeMoments& lobes)
+    {
+        exitance += lobes.exitance;
+        sampledExitance += lobes.sampledExitance;
+        sampledMoment += lobes.sampledMoment;
+    }
+};
+
 /// Samples of a range of items. A link is a ray from a patch to a patch. The share of a patch's rays that link it to
 /// another estimates their form factor (Goral, Torrance, Greenberg and Battaile 1984, "Modeling the Interaction of
 /// Light Between Diffuse Surfaces").
@@ -33,6 +49,9 @@ struct FormFactorRange {
         vec3 radiance{0.0f};
     };
     std::vector<LateRadiance> late;
+    /// By entry of `samples` and component. Empty where light is estimated as one; not kept in files.
+    std::vector<ComponentSamples> components;
+    std::vector<uint8_t> lateComponents; ///< by entry of `late`
     /// A link through glass that has a colour. In the order of `links`.
     struct TintedLink {
         uint32_t link = 0; ///< index into `links`
@@ -42,6 +61,14 @@ struct FormFactorRange {
     std::vector<PatchId> hitNear; ///< patches hit from less than half their width
 
     template<typename Archive> void archive(Archive& a) { a(samples, links, late, tinted, hitNear); }
+    /// The light of the components of an entry of `samples`.
+    std::span<ComponentSamples> componentsOf(const PatchSamples& of, int count)
+    {
+        const auto first = std::size_t(&of - samples.data()) * std::size_t(count);
+        if (components.size() < samples.size() * std::size_t(count))
+            components.resize(samples.size() * std::size_t(count));
+        return std::span(components).subspan(first, std::size_t(count));
+    }
     /// Samples of a patch that are among the last 64; for sums without links.
     PatchSamples& recent(PatchId patch)
     {
@@ -100,6 +127,15 @@ private:
     void addPath(const GatherGroup& group, int lane, int block, int stratum, PatchId source);
     void findNear(PatchId source, PatchId target, const RayHit& hit);
     void addDirect(const TexelGroup& group, int sample);
+    /// A sample of punctual lights.
+    struct LampSample {
+        const PunctualLight* light = nullptr;
+        vec3 irradiance{0.0f};
+        vec2 disc{0.0f};
+    };
+    void addDirectLight(PatchId source, const SurfacePoint& point, Sampler& sampler, std::span<const LampSample> lamps);
+    void addGathered(PatchSamples& samples, int component, vec3 radiance);
+    [[nodiscard]] int components() const { return paths_.light().components(); }
 
     const PatchPass& pass_;
     const PathTracer& paths_;
@@ -109,6 +145,7 @@ private:
     FormFactorEffort effort_;
     RayBundle bundle_;
     std::vector<vec3> byBounce_; ///< radiance of the current path by number of reflections
+    PathLights lights_;          ///< the same by component
     uint64_t rays_ = 0;
 };
 

@@ -25,6 +25,20 @@ struct PatchRadiance {
     [[nodiscard]] bool usableAt(float distance) const { return distance >= minDistance; }
 };
 
+/// Of PatchRadiance, the light of one component.
+struct ComponentRadiance {
+    vec3 radiance{0.0f};
+    vec3 tilt{0.0f};
+    [[nodiscard]] vec3 along(vec3 rayDirection) const { return radiance * (1.0f - glm::dot(tilt, rayDirection)); }
+};
+
+/// What of the cache is kept by component; empty where light is estimated as one.
+struct ComponentCache {
+    std::size_t count = 0;
+    std::vector<ComponentRadiance> patches;  ///< by patch and element, and component
+    std::array<std::vector<vec3>, 3> levels; ///< as RadianceCache::Levels, by patch and component
+};
+
 /// Constant radiance per patch and element. The final gather reads it (Reichert 1992, "A Two-Pass Radiosity Method
 /// Driven by Lights and Viewer Position").
 class RadianceCache {
@@ -40,6 +54,18 @@ public:
         : layout_(std::move(layout)), patches_(std::move(patches)), levels_(std::move(levels)), bounces_(bounces),
           converged_(converged)
     {}
+
+    /// The components' radiance is not in archives.
+    void setComponents(ComponentCache components) { components_ = std::move(components); }
+    [[nodiscard]] std::size_t componentCount() const { return components_.count; }
+    /// Of a patch or element of patches().
+    [[nodiscard]] std::span<const ComponentRadiance> componentsOf(const PatchRadiance& patch) const
+    {
+        return std::span(components_.patches)
+            .subspan(std::size_t(&patch - patches_.data()) * components_.count, components_.count);
+    }
+    /// Of a hit that radianceAt() finds.
+    void componentsAt(const RayEnd& end, int reflections, std::span<vec3> out) const;
 
     template<typename Archive> void archive(Archive& a)
     {
@@ -63,8 +89,12 @@ public:
     /// radianceAt() for paths. The cache outlives it.
     [[nodiscard]] RadianceLookup lookup() const
     {
-        return {this, [](const void* cache, const RayEnd& end, int reflections) {
+        return {this,
+                [](const void* cache, const RayEnd& end, int reflections) {
                     return static_cast<const RadianceCache*>(cache)->radianceAt(end, reflections);
+                },
+                [](const void* cache, const RayEnd& end, int reflections, std::span<vec3> out) {
+                    static_cast<const RadianceCache*>(cache)->componentsAt(end, reflections, out);
                 }};
     }
 
@@ -72,6 +102,7 @@ private:
     PatchLayout layout_;
     std::vector<PatchRadiance> patches_;
     Levels levels_;
+    ComponentCache components_;
     int bounces_ = 0;
     bool converged_ = false;
 };
@@ -89,6 +120,19 @@ inline CachedRadiance RadianceCache::radianceAt(const RayEnd& end, int reflectio
     const std::vector<vec3>& level = levels_[std::size_t(fewer - 1)];
     if (level.empty() || !patches_[patch].usableAt(end.distance)) return {};
     return {true, layout_.emissive(end.face), level[patch]};
+}
+
+inline void RadianceCache::componentsAt(const RayEnd& end, int reflections, std::span<vec3> out) const
+{
+    const int fewer = converged_ ? 0 : bounces_ - reflections;
+    const PatchId patch = layout_.patchAt(end.face, end.barycentric);
+    if (fewer == 0) {
+        const std::span<const ComponentRadiance> light = componentsOf(*find(end, patch));
+        for (std::size_t c = 0; c < out.size(); ++c) out[c] = light[c].along(end.direction);
+        return;
+    }
+    const std::vector<vec3>& level = components_.levels[std::size_t(fewer - 1)];
+    for (std::size_t c = 0; c < out.size(); ++c) out[c] = level[patch * components_.count + c];
 }
 
 } // namespace halflight

@@ -1,5 +1,7 @@
 #include "transport/radiosity/solve.h"
 
+#include "transport/radiosity/unknown.h"
+
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
@@ -14,8 +16,8 @@ namespace {
 
 class RadiositySolver {
 public:
-    RadiositySolver(Patches& patches, FormFactors factors, int bounces)
-        : patches_(patches), factors_(std::move(factors)), bounces_(bounces)
+    RadiositySolver(Patches& patches, FormFactors factors, int bounces, int components)
+        : patches_(patches), factors_(std::move(factors)), bounces_(bounces), components_(components)
     {
         countRays();
     }
@@ -28,9 +30,11 @@ public:
         iterate();
         RadiositySolution solution;
         findIlluminance(solution.illuminance);
+        ComponentCache components = solveComponents(solution.ofComponents);
         fillPatches();
         findOwners(solution.patchOfUnknown);
         solution.cache = {std::move(patches_.layout), std::move(radiance_), std::move(levels_), bounces_, converged_};
+        solution.cache.setComponents(std::move(components));
         solution.factors = std::move(factors_);
         return solution;
     }
@@ -40,17 +44,6 @@ private:
     static constexpr double kConverged = 0.002;
     /// Sweeps before changes can be taken for a geometric series.
     static constexpr int kLeastSweeps = 3;
-
-    /// Unknown of the linear system with its constants.
-    struct Unknown {
-        vec3 gathered{0.0f}; ///< irradiance of sky and emitters along rays
-        vec3 direct{0.0f};   ///< irradiance of sampled lights
-        vec3 albedo{0.0f};
-        LobeMoments lobes;
-        float directCount = 0.0f;
-        float rays = 0.0f;
-        float minDistance = 0.0f;
-    };
 
     /// Rays of each patch and element; 0 for occluded ones and for those without light samples.
     void countRays()
@@ -111,6 +104,75 @@ private:
         }
     }
 
+    /// Unknowns of a component, with the surfaces and counts of the sum's.
+    std::vector<Unknown> unknownsOf(int component, const std::vector<Unknown>& all)
+    {
+        std::vector<Unknown> unknowns(unknownCount_);
+        for (FormFactorRange& range : factors_) {
+            for (const PatchSamples& samples : range.samples) {
+                if (samples.patch == kNoPatch) continue;
+                const ComponentSamples& s = range.componentsOf(samples, components_)[std::size_t(component)];
+                Unknown& u = unknowns[samples.patch];
+                u.gathered += kPi * s.gathered;
+                u.direct += s.direct;
+                u.lobes.exitance += s.exitance;
+                u.lobes.sampledExitance += s.sampledExitance;
+                u.lobes.sampledMoment += s.sampledMoment;
+            }
+        }
+        forEachIndex(unknownCount_, [&](std::size_t i) { unknowns[i].completeFrom(all[i]); });
+        return unknowns;
+    }
+
+    /// Radiance of each component, by sweeps of its own. Where the sum has not converged, all take as many.
+    ComponentCache solveComponents(std::vector<float>& illuminance)
+    {
+        ComponentCache cache;
+        if (components_ == 0) return cache;
+        cache.count = std::size_t(components_);
+        cache.patches = largeVector<ComponentRadiance>(rayCount_.size() * cache.count);
+        std::vector<Unknown> all = std::move(unknowns_);
+        std::vector<vec3> reflected = std::move(reflected_);
+        std::vector<float> diffuse = std::move(diffuse_);
+        RadianceCache::Levels levels = std::move(levels_);
+        const bool converged = converged_;
+        for (component_ = 0; component_ < components_; ++component_) {
+            unknowns_ = unknownsOf(component_, all);
+            levels_ = {};
+            iterate(converged);
+            keepComponent(cache);
+            std::vector<float> own;
+            findIlluminance(own);
+            illuminance.resize(own.size() * cache.count);
+            for (std::size_t i = 0; i < own.size(); ++i)
+                illuminance[i * cache.count + std::size_t(component_)] = own[i];
+        }
+        component_ = -1;
+        for (FormFactorRange& range : factors_) release(range.components);
+        unknowns_ = std::move(all);
+        reflected_ = std::move(reflected);
+        diffuse_ = std::move(diffuse);
+        levels_ = std::move(levels);
+        converged_ = converged;
+        return cache;
+    }
+
+    void keepComponent(ComponentCache& cache) const
+    {
+        const auto c = std::size_t(component_);
+        forEachIndex(rayCount_.size(), [&](std::size_t i) {
+            if (unknown_[i] == kNoPatch) return;
+            const uint32_t u = unknown_[i];
+            const PatchRadiance light = unknowns_[u].radianceOf(reflected_[u], diffuse_[u]);
+            cache.patches[i * cache.count + c] = {light.radiance, light.tilt};
+        });
+        for (std::size_t l = 0; l < levels_.size(); ++l) {
+            if (levels_[l].empty()) continue;
+            cache.levels[l].resize(levels_[l].size() * cache.count);
+            for (std::size_t i = 0; i < levels_[l].size(); ++i) cache.levels[l][i * cache.count + c] = levels_[l][i];
+        }
+    }
+
     /// Replaces the patches of a range by unknowns. `lost`: rays of each sample that hit occluded patches, which are
     /// left out.
     void numberLinks(FormFactorRange& range, std::vector<uint32_t>& lost) const
@@ -126,7 +188,8 @@ private:
         for (FormFactorRange::LateRadiance& late : range.late) late.patch = unknown_[late.patch];
     }
 
-    void iterate()
+    /// `mayConverge`: sweeps may end early.
+    void iterate(bool mayConverge = true)
     {
         reflected_.assign(unknownCount_, vec3(0.0f));
         diffuse_.assign(unknownCount_, 0.0f);
@@ -138,7 +201,9 @@ private:
             const double change = reflect(gathered);
             // Changes fall as a geometric series in the end: c, c r, c r^2, … with the sum c r / (1 - r) after c.
             const double ratio = lastChange > 0.0 ? change / lastChange : 1.0;
-            converged_ = b > kLeastSweeps && ratio < 1.0 && change * ratio / (1.0 - ratio) < kConverged;
+            converged_ = mayConverge && b > kLeastSweeps && ratio < 1.0 && change * ratio / (1.0 - ratio) < kConverged;
+            // A component without light changes by nothing.
+            converged_ = converged_ || (mayConverge && component_ >= 0 && b > kLeastSweeps && change == 0.0);
             lastChange = change;
             if (converged_) break;
             keepLevel(bounces_ - b);
@@ -222,7 +287,8 @@ private:
         vec3 sum(0.0f);
         if (term.count == kLate) {
             const FormFactorRange::LateRadiance& late = range.late[term.first];
-            return late.reflections < uint32_t(bounce) ? late.radiance : sum;
+            const bool ofOther = component_ >= 0 && int(range.lateComponents[term.first]) != component_;
+            return late.reflections < uint32_t(bounce) && !ofOther ? late.radiance : sum;
         }
         if (!range.tinted.empty()) return tintedLinks(range, term);
         for (const PatchId target : std::span(range.links).subspan(term.first, term.count)) {
@@ -262,34 +328,11 @@ private:
         }
     }
 
-    /// Radiance of an unknown with the exitance M and the first moment m of what its diffuse part and its lobes
-    /// reflect, over the hemisphere: those of R + A . d are M = pi R + 2/3 pi A_n, m_n = 2/3 pi R + pi/2 A_n, m_t =
-    /// pi/4 A_t along the normal and the tangents.
-    [[nodiscard]] PatchRadiance radianceOf(std::size_t unknown) const
-    {
-        constexpr float kMostTilt = 0.9f; // radiance stays above 0 in all directions
-        const Unknown& u = unknowns_[unknown];
-        const vec3 mean = reflected_[unknown];
-        const float exitance = kPi * luminance(mean);
-        const float length = glm::length(u.lobes.normal);
-        if (length <= 0.0f || exitance <= 0.0f) return {mean, u.minDistance};
-        const vec3 normal = u.lobes.normal / length;
-        const float ofEven = std::max(exitance - diffuse_[unknown] - luminance(u.lobes.exitance), 0.0f);
-        const vec3 moment = u.lobes.momentOf(diffuse_[unknown], ofEven, normal);
-        const float along = glm::dot(moment, normal);
-        const vec3 across = moment - along * normal;
-        const vec3 slope = (18.0f / kPi) * (along - 2.0f / 3.0f * exitance) * normal + (4.0f / kPi) * across;
-        const float shift = (18.0f / kPi) * (0.5f * exitance - 2.0f / 3.0f * along) - exitance / kPi;
-        const float excess = glm::length(slope) - kMostTilt * shift;
-        const float part = excess > 0.0f ? std::min(1.0f, kMostTilt * exitance / kPi / excess) : 1.0f;
-        const float radiance = exitance / kPi + part * shift;
-        return {mean * (radiance * kPi / exitance), u.minDistance, part * slope / radiance};
-    }
-
     void fillPatches()
     {
         std::vector<PatchRadiance> ofUnknown(unknownCount_);
-        for (std::size_t i = 0; i < unknowns_.size(); ++i) ofUnknown[i] = radianceOf(i);
+        for (std::size_t i = 0; i < unknowns_.size(); ++i)
+            ofUnknown[i] = unknowns_[i].radianceOf(reflected_[i], diffuse_[i]);
         release(reflected_);
         release(diffuse_);
         release(firstTerm_);
@@ -321,6 +364,8 @@ private:
     Patches& patches_;
     FormFactors factors_;
     int bounces_;
+    int components_;
+    int component_ = -1; ///< that is solved; -1 = the sum
     bool converged_ = false;
     std::vector<uint32_t> rayCount_; ///< by patch and element
     std::vector<uint32_t> unknown_;  ///< number of the unknown, or kNoPatch
@@ -336,9 +381,9 @@ private:
 
 } // namespace
 
-RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, int bounces)
+RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, int bounces, int components)
 {
-    return RadiositySolver(patches, std::move(factors), bounces).solve();
+    return RadiositySolver(patches, std::move(factors), bounces, components).solve();
 }
 
 } // namespace halflight

@@ -13,11 +13,13 @@ struct RadiositySolution {
     FormFactors factors;
     std::vector<PatchId> patchOfUnknown; ///< unknowns of elements have their patch
     std::vector<float> illuminance;      ///< by front chart patch: light of sky and emitters along rays
+    std::vector<float> ofComponents;     ///< the same by front chart patch and component
 };
 
 /// Each bounce is one sweep: a Jacobi iteration of the radiosity equation, so `bounces` iterations are light after at
 /// most as many reflections. Sweeps end early where further ones would add less than 0.2 %. Patches without samples
-/// take the unknown of a patch beside them. Moves the layout out of `patches`.
-RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, int bounces);
+/// take the unknown of a patch beside them. Moves the layout out of `patches`. `components`: number of components, each
+/// of which has sweeps of its own over the same links; 0 = light is one.
+RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, int bounces, int components = 0);
 
 } // namespace halflight

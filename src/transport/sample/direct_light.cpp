@@ -67,11 +67,12 @@ vec3 DirectLight::lightVisibilityInSpace(const PunctualLight& light, vec3 positi
     return tracer_.transmittance(position, ray.direction, 0.0f, ray.distance * kShortOfSurface);
 }
 
-vec3 DirectLight::punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const
+DirectLight::OfLight DirectLight::punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler,
+                                                     uint64_t& rays) const
 {
     const SceneLight::LightChoice choice = light_.choosePunctual(point, direct, sampler);
-    if (choice.light == nullptr) return vec3(0.0f);
-    return choice.irradiance(lightVisibility(*choice.light, point, choice.disc, rays));
+    if (choice.light == nullptr) return {};
+    return {choice.irradiance(lightVisibility(*choice.light, point, choice.disc, rays)), choice.light->component};
 }
 
 DirectLight::EmitterAtSurface DirectLight::emitterIrradiance(const SurfacePoint& point, float otherIlluminance,
@@ -91,7 +92,7 @@ DirectLight::EmitterAtSurface DirectLight::emitterIrradiance(const SurfacePoint&
     const vec3 transmittance =
         tracer_.transmittance(receiver.position, next.direction, 0.0f, next.distance * kShortOfSurface);
     if (transmittance == vec3(0.0f)) return {};
-    return {next.direction, s.radiance * (transmittance * next.factor / survival)};
+    return {next.direction, s.radiance * (transmittance * next.factor / survival), s.component};
 }
 
 DirectLight::EmitterAtSurface DirectLight::skyIrradiance(const SurfacePoint& point, float otherIlluminance,
@@ -105,7 +106,7 @@ DirectLight::EmitterAtSurface DirectLight::skyIrradiance(const SurfacePoint& poi
     if (cosine <= 0.0f || glm::dot(point.geometricNormal, s.direction) <= 0.0f) return {};
     ++rays;
     const vec3 transmittance = tracer_.transmittance(tracer_.rayOrigin(point), s.direction, 0.0f, kInfinity);
-    return {s.direction, s.radiance * (transmittance * cosine / (s.pdf * survival))};
+    return {s.direction, s.radiance * (transmittance * cosine / (s.pdf * survival)), light_.skyComponent()};
 }
 
 DirectLight::EmitterInSpace DirectLight::skyInSpace(vec3 position, Sampler& sampler, uint64_t& rays) const
@@ -113,7 +114,8 @@ DirectLight::EmitterInSpace DirectLight::skyInSpace(vec3 position, Sampler& samp
     if (!light_.sky().samples()) return {};
     const SkyLight::Sample s = light_.sky().sample(sampler.next2());
     ++rays;
-    return {s.direction, s.radiance * (tracer_.transmittance(position, s.direction, 0.0f, kInfinity) / s.pdf)};
+    return {s.direction, s.radiance * (tracer_.transmittance(position, s.direction, 0.0f, kInfinity) / s.pdf),
+            light_.skyComponent()};
 }
 
 DirectLight::EmitterInSpace DirectLight::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
@@ -126,7 +128,7 @@ DirectLight::EmitterInSpace DirectLight::emitterInSpace(vec3 position, float dir
     ++rays;
     const vec3 transmittance = tracer_.transmittance(position, seen.direction, 0.0f, seen.distance * kShortOfSurface);
     const float weight = s.rayVisible ? powerHeuristic(seen.pdf, directionPdf) : 1.0f;
-    return {seen.direction, s.radiance * (transmittance * weight / seen.pdf)};
+    return {seen.direction, s.radiance * (transmittance * weight / seen.pdf), s.component};
 }
 
 vec3 DirectLight::weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from,
@@ -139,19 +141,20 @@ vec3 DirectLight::weightedEmission(const SurfaceHit& hit, vec3 direction, const 
     return hit.emission * misWeightOfRay(directionPdf, pdfArea, hit.distance, cosine);
 }
 
-vec3 DirectLight::reflectedEmitters(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler,
-                                    uint64_t& rays) const
+DirectLight::Reflected DirectLight::reflectedEmitters(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler,
+                                                      uint64_t& rays) const
 {
-    if (light_.emitters().empty()) return vec3(0.0f);
+    if (light_.emitters().empty()) return {};
     const vec3 origin = tracer_.rayOrigin(hit.point);
     const EmitterSample s = light_.emitters().sample(origin, hit.point.normal, sampler.next2());
     const EmitterSample::Seen seen = s.seenFrom(origin);
-    if (seen.pdf <= 0.0f || glm::dot(seen.direction, hit.point.geometricNormal) <= 0.0f) return vec3(0.0f);
+    if (seen.pdf <= 0.0f || glm::dot(seen.direction, hit.point.geometricNormal) <= 0.0f) return {};
     const float weight = s.rayVisible ? powerHeuristic(seen.pdf, lobe.pdf(seen.direction)) : 1.0f;
     const vec3 light = lobe.reflected(seen.direction, s.radiance * (weight / seen.pdf));
-    if (light == vec3(0.0f)) return light;
+    if (light == vec3(0.0f)) return {};
     ++rays;
-    return light * tracer_.transmittance(origin, seen.direction, 0.0f, seen.distance * kShortOfSurface);
+    const vec3 share = tracer_.transmittance(origin, seen.direction, 0.0f, seen.distance * kShortOfSurface);
+    return {light * share, s.component};
 }
 
 vec3 DirectLight::reflectedSky(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler, uint64_t& rays) const

@@ -15,12 +15,17 @@ public:
     DirectLight(const RayTracer& surfaces, const SceneLight& light) : tracer_(surfaces), light_(light) {}
 
     /// One light's, chosen as SceneLight::choosePunctual() does, with one shadow ray.
-    vec3 punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const;
+    struct OfLight {
+        vec3 irradiance{0.0f};
+        int component = 0;
+    };
+    OfLight punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const;
     /// One emitter sample: irradiance with its MIS weight against cosine-distributed directions, and its direction.
     /// Russian roulette skips emitters that add little to `otherIlluminance` (lux).
     struct EmitterAtSurface {
         vec3 direction{0.0f};
         vec3 irradiance{0.0f};
+        int component = 0;
     };
     /// One sample of the sky's bright part, which rays do not receive: no MIS weight.
     EmitterAtSurface skyIrradiance(const SurfacePoint& point, float otherIlluminance, Sampler& sampler,
@@ -39,13 +44,19 @@ public:
     struct EmitterInSpace {
         vec3 direction{0.0f};
         vec3 radianceOverPdf{0.0f};
+        int component = 0;
     };
     EmitterInSpace emitterInSpace(vec3 position, float directionPdf, Sampler& sampler, uint64_t& rays) const;
     /// The same of the sky's bright part, without a MIS weight.
     EmitterInSpace skyInSpace(vec3 position, Sampler& sampler, uint64_t& rays) const;
 
     /// Radiance that the specular lobe of a hit reflects of one emitter sample, and of one of the sky's bright part.
-    vec3 reflectedEmitters(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler, uint64_t& rays) const;
+    struct Reflected {
+        vec3 radiance{0.0f};
+        int component = 0;
+    };
+    Reflected reflectedEmitters(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler,
+                                uint64_t& rays) const;
     vec3 reflectedSky(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler, uint64_t& rays) const;
 
     /// Emission of a hit times its MIS weight beside emitter samples taken at `from`.

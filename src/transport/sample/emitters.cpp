@@ -7,7 +7,7 @@
 
 namespace halflight {
 
-Emitters::Emitters(const RayScene& scene) : scene_(scene)
+Emitters::Emitters(const RayScene& scene, const LightComponents& components) : scene_(scene)
 {
     const BakeGeometry& geometry = scene.geometry();
     std::vector<LightItem> items;
@@ -28,6 +28,8 @@ Emitters::Emitters(const RayScene& scene) : scene_(scene)
         e.radiance = material.emission;
         e.doubleSided = material.doubleSided;
         e.rayVisible = geometry.partOf(t).castShadows;
+        const int number = geometry.partOf(t).material;
+        if (components.count > 0 && number >= 0) e.component = components.ofMaterial[std::size_t(number)];
         const float mean = meanEmission(material, t);
         if (!(mean > 0.0f)) continue;
         LightItem item;
@@ -51,7 +53,23 @@ Emitters::Emitters(const RayScene& scene) : scene_(scene)
         }
         itemOfTriangle_[first + (triangles_[i].triangle - part.firstTriangle)] = uint32_t(i);
     }
+    if (components.count > 1) shareAmongComponents(items, components.count);
     tree_ = LightTree(items);
+}
+
+/// Scales powers so that a component has half its share of all power and half of an even share: of what is chosen in
+/// proportion to power, a dim component has samples too.
+void Emitters::shareAmongComponents(std::vector<LightItem>& items, int count) const
+{
+    std::vector<double> power(std::size_t(count), 0.0);
+    double all = 0.0;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        power[std::size_t(triangles_[i].component)] += double(items[i].power);
+        all += double(items[i].power);
+    }
+    const auto emitting = double(std::count_if(power.begin(), power.end(), [](double p) { return p > 0.0; }));
+    for (std::size_t i = 0; i < items.size(); ++i)
+        items[i].power *= float(0.5 + 0.5 / emitting * all / power[std::size_t(triangles_[i].component)]);
 }
 
 /// Mean luminance over 16 points, at least the share of one of them: a textured triangle keeps a
@@ -84,6 +102,7 @@ inline EmitterSample Emitters::at(const LightTree::Choice& choice, float v) cons
     }
     s.rayVisible = e.rayVisible;
     s.doubleSided = e.doubleSided;
+    s.component = e.component;
     s.pdfArea = choice.probability * e.inverseArea;
     s.triangle = e.triangle;
     s.barycentric = barycentric;

@@ -29,6 +29,7 @@ struct EmitterSample {
     float pdfArea = 0.0f;   ///< per square metre; 0 = no sample
     uint32_t triangle = 0;  ///< of the geometry
     vec2 barycentric{0.0f};
+    int component = 0; ///< LightComponents
 
     /// The sample as a direction from a point.
     struct Seen {
@@ -64,6 +65,7 @@ struct EmitterLanes {
     std::array<int32_t, kLanes> doubleSided;
     std::array<int32_t, kLanes> rayVisible;
     std::array<float, kLanes> weight; ///< 1 / probability that the sample is taken
+    std::array<int32_t, kLanes> component;
 
     void set(std::size_t lane, const EmitterSample& s)
     {
@@ -73,6 +75,7 @@ struct EmitterLanes {
         pdfArea[lane] = s.radiance != vec3(0.0f) ? s.pdfArea : 0.0f; // black samples need no ray
         doubleSided[lane] = s.doubleSided ? 1 : 0;
         rayVisible[lane] = s.rayVisible ? 1 : 0;
+        component[lane] = s.component;
     }
     [[nodiscard]] NextEventContribution from(std::size_t lane, vec3 receiver, vec3 receiverNormal,
                                              vec3 geometricNormal) const
@@ -85,7 +88,7 @@ struct EmitterLanes {
 /// All emissive triangles, chosen by a light tree; points are uniform on the chosen triangle.
 class Emitters {
 public:
-    explicit Emitters(const RayScene& scene);
+    Emitters(const RayScene& scene, const LightComponents& components);
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
     [[nodiscard]] LightTree::Cut cut(const LightTree::Points& positions, const LightTree::Points& normals) const
     {
@@ -113,7 +116,9 @@ private:
         bool uniform = true;
         bool doubleSided = false;
         bool rayVisible = true;
+        int component = 0;
     };
+    void shareAmongComponents(std::vector<LightItem>& items, int count) const;
     static constexpr uint32_t kNone = ~0u;
     /// Index into triangles_, or kNone.
     [[nodiscard]] uint32_t itemOf(uint32_t triangle) const;

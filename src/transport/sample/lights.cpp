@@ -10,7 +10,7 @@ namespace halflight {
 static_assert(int(LightType::Directional) == shading::kLightDirectional);
 static_assert(int(LightType::Disk) == shading::kLightDisk);
 
-std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
+std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use, const LightComponents& components)
 {
     std::vector<PunctualLight> lights;
     for (const Light& light : scene.lights) {
@@ -48,6 +48,7 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
             p.channel = light.baking.occlusionMaskChannel;
             if (light.type != LightType::Directional) p.reach = light.baking.reachMeters;
         }
+        if (components.count > 0) p.component = components.ofLight[lights.size()];
         lights.push_back(p);
     }
     return lights;
@@ -80,14 +81,16 @@ LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc)
     return {toLight / distance, distance};
 }
 
-LightTree punctualTree(const std::vector<PunctualLight>& lights, std::vector<uint32_t>& itemLights)
+LightTree punctualTree(const std::vector<PunctualLight>& lights, int component, std::vector<uint32_t>& itemLights)
 {
     std::vector<LightItem> items;
     itemLights.clear();
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const PunctualLight& light = lights[i];
         const float power = luminance(light.colorIntensity) * light.area * light.indirectMultiplier;
-        if (!light.bounces || light.type == shading::kLightDirectional || !(power > 0.0f)) continue;
+        if (light.component != component || !light.bounces || light.type == shading::kLightDirectional ||
+            !(power > 0.0f))
+            continue;
         LightItem item;
         if (light.isArea()) {
             for (const vec2 corner : {vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)})

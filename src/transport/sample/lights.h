@@ -3,6 +3,7 @@
 
 #include "transport/sample/light_tree.h"
 
+#include "halflight/bake/integrator.h"
 #include "halflight/scene/scene.h"
 #include "halflight/shading/area_sampling.h"
 #include "halflight/shading/light.h"
@@ -52,6 +53,7 @@ struct PunctualLight {
     bool directAtProbes = false; ///< the probes contain its direct light
     bool bounces = false;        ///< its bounced light is baked
     int channel = -1;
+    int component = 0; ///< LightComponents
     /// Subtractive's main light. Its mask is the transmitted fraction of the light that a texel would receive. A later
     /// stage adds its direct light from the stored mask.
     bool maskOfLight = false;
@@ -116,12 +118,13 @@ enum class LightUse {
     Bake,      ///< by each light's baking output
     Reference, ///< every light, fully
 };
-std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use);
+std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use, const LightComponents& components = {});
 
 /// Ray from `origin` to a point of an area light, of a light's sphere or of the sun's disc; `disc` is in the unit disc.
 LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc);
 
-/// Tree over the lights that bounce, without directional ones; `itemLights` receives the light of each item.
-LightTree punctualTree(const std::vector<PunctualLight>& lights, std::vector<uint32_t>& itemLights);
+/// Tree over the lights of a component that bounce, without directional ones; `itemLights` receives the light of each
+/// item.
+LightTree punctualTree(const std::vector<PunctualLight>& lights, int component, std::vector<uint32_t>& itemLights);
 
 } // namespace halflight

@@ -4,26 +4,38 @@
 
 namespace halflight {
 
-SceneLight::SceneLight(const Scene& scene, const RayScene& surfaces, LightUse use)
-    : lights_(punctualLights(scene, use)), emitters_(surfaces), sky_(scene.sky)
+SceneLight::SceneLight(const Scene& scene, const RayScene& surfaces, LightUse use, const LightComponents& components)
+    : surfaces_(surfaces), components_(components), lights_(punctualLights(scene, use, components)),
+      emitters_(surfaces, components), sky_(scene.sky)
 {
-    // Up to 8 lights are chosen by their exact unshadowed contributions.
-    constexpr std::ptrdiff_t kFewLights = 8;
-    if (std::count_if(lights_.begin(), lights_.end(), [](const PunctualLight& l) { return l.bounces; }) > kFewLights) {
-        punctualTree_ = punctualTree(lights_, lightOfItem_);
-    }
+    for (int c = 0; c < std::max(components.count, 1); ++c) addChooser(c);
+    if (choosers_.empty()) choosers_.emplace_back();
     std::vector<const PunctualLight*> all;
-    for (uint32_t i = 0; i < lights_.size(); ++i) {
-        all.push_back(&lights_[i]);
-        const bool inTree = !punctualTree_.empty() && lights_[i].type != shading::kLightDirectional;
-        if (lights_[i].bounces && !inTree) alwaysChosenFrom_.push_back(i);
-    }
+    for (const PunctualLight& light : lights_) all.push_back(&light);
     reach_ = LightReach(std::move(all));
 }
 
-SceneLight::LightChoice SceneLight::choosePunctual(const SurfacePoint& point, bool direct, Sampler& sampler) const
+void SceneLight::addChooser(int component)
 {
-    return chooseLight(point, sampler, [&](const PunctualLight& light, vec2 disc, float probability) {
+    // Up to 8 lights are chosen by their exact unshadowed contributions.
+    constexpr std::ptrdiff_t kFewLights = 8;
+    const auto isOne = [&](const PunctualLight& l) { return l.bounces && l.component == component; };
+    Chooser chooser;
+    if (std::count_if(lights_.begin(), lights_.end(), isOne) > kFewLights)
+        chooser.tree = punctualTree(lights_, component, chooser.lightOfItem);
+    for (uint32_t i = 0; i < lights_.size(); ++i) {
+        const bool inTree = !chooser.tree.empty() && lights_[i].type != shading::kLightDirectional;
+        if (isOne(lights_[i]) && !inTree) chooser.always.push_back(i);
+    }
+    if (!chooser.always.empty() || !chooser.tree.empty()) choosers_.push_back(std::move(chooser));
+}
+
+namespace {
+
+/// Unoccluded irradiance on a surface, over the probability; for SceneLight::chooseLight().
+auto irradianceOf(const SurfacePoint& point, bool direct)
+{
+    return [&point, direct](const PunctualLight& light, vec2 disc, float probability) {
         if (light.isArea()) {
             const LightRay ray = sampleLightRay(light, point.position, disc);
             return light.irradianceBy(ray, point.position, point.normal) *
@@ -33,7 +45,24 @@ SceneLight::LightChoice SceneLight::choosePunctual(const SurfacePoint& point, bo
         const float cosine = glm::dot(point.normal, s.direction);
         if (cosine <= 0.0f) return vec3(0.0f);
         return s.illuminance * (cosine * (direct ? 1.0f : light.indirectMultiplier) / probability);
-    });
+    };
+}
+
+} // namespace
+
+SceneLight::LightChoice SceneLight::choosePunctual(const SurfacePoint& point, bool direct, Sampler& sampler) const
+{
+    return chooseLight(point, sampler, irradianceOf(point, direct));
+}
+
+SceneLight::LightChoice SceneLight::choosePunctualFrom(std::size_t chooser, const SurfacePoint& point,
+                                                       Sampler& sampler) const
+{
+    if (lights_.empty()) return {};
+    const float u = sampler.next1();
+    const vec2 disc = shading::sampleDisc(sampler.next2());
+    float total = 0.0f;
+    return chooseFrom(choosers_[chooser], point, u, disc, sampler, irradianceOf(point, false), total);
 }
 
 } // namespace halflight

@@ -7,9 +7,10 @@
 #include "transport/sample/sampler.h"
 #include "transport/sample/sky_light.h"
 
-#include "halflight/scene/scene.h"
+#include "halflight/scene/light_groups.h"
 #include "halflight/shading/sampling.h"
 
+#include <array>
 #include <vector>
 
 namespace halflight {
@@ -32,7 +33,7 @@ inline float grayOf(vec3 transmittance)
 class SceneLight {
 public:
     /// `surfaces` outlives it.
-    SceneLight(const Scene& scene, const RayScene& surfaces, LightUse use);
+    SceneLight(const Scene& scene, const RayScene& surfaces, LightUse use, const LightComponents& components);
 
     [[nodiscard]] const std::vector<PunctualLight>& lights() const { return lights_; }
     /// Calls visit(light, its index) for the lights whose range may reach a point. The order is always the same.
@@ -42,6 +43,16 @@ public:
     }
     [[nodiscard]] const Emitters& emitters() const { return emitters_; }
     [[nodiscard]] const SkyLight& sky() const { return sky_; }
+    /// Number of components; 0: light is estimated as one.
+    [[nodiscard]] int components() const { return components_.count; }
+    [[nodiscard]] int skyComponent() const { return components_.ofSky; }
+    /// Of a triangle's emission.
+    [[nodiscard]] int emissionComponent(uint32_t triangle) const
+    {
+        if (components_.count == 0) return 0;
+        const int material = surfaces_.geometry().partOf(triangle).material;
+        return material < 0 ? 0 : components_.ofMaterial[std::size_t(material)];
+    }
     /// Whether there are emitters or bright places in the sky, which receivers sample.
     [[nodiscard]] bool samplesEmission() const { return !emitters_.empty() || sky_.samples(); }
 
@@ -57,19 +68,37 @@ public:
         }
     };
     /// One light, chosen in proportion to the luminance of contribution(light, disc, probability), which is divided by
-    /// `probability`; `disc` is the point of the unit disc that the choice has.
+    /// `probability`; `disc` is the point of the unit disc that the choice has. Where there are components, one of them
+    /// is chosen first: half in proportion to their light here, half evenly, so that a dim one has samples too.
     template<typename Contribution>
     LightChoice chooseLight(const SurfacePoint& point, Sampler& sampler, Contribution contribution) const;
     /// `direct` = without the lights' indirect multipliers.
     LightChoice choosePunctual(const SurfacePoint& point, bool direct, Sampler& sampler) const;
+    /// Sets of lights of which chooseFrom() chooses: one for each component with lights that bounce, at least one.
+    [[nodiscard]] std::size_t choosers() const { return choosers_.size(); }
+    LightChoice choosePunctualFrom(std::size_t chooser, const SurfacePoint& point, Sampler& sampler) const;
 
 private:
+    /// The lights of a component that bounce.
+    struct Chooser {
+        LightTree tree; ///< empty if they are few
+        std::vector<uint32_t> lightOfItem;
+        std::vector<uint32_t> always; ///< lights that are not in the tree
+    };
+    void addChooser(int component);
+    /// `total`: receives the sum of the contributions' luminances.
+    template<typename Contribution> LightChoice chooseFrom(const Chooser& chooser, const SurfacePoint& point, float u,
+                                                           vec2 disc, Sampler& sampler, Contribution contribution,
+                                                           float& total) const;
+    template<typename Contribution>
+    LightChoice chooseComponent(const SurfacePoint& point, Sampler& sampler, Contribution contribution) const;
+
+    const RayScene& surfaces_;
+    LightComponents components_;
     std::vector<PunctualLight> lights_;
     Emitters emitters_;
     LightReach reach_;
-    LightTree punctualTree_; ///< of the lights that bounce; empty if they are few
-    std::vector<uint32_t> lightOfItem_;
-    std::vector<uint32_t> alwaysChosenFrom_; ///< lights that bounce and are not in the tree
+    std::vector<Chooser> choosers_;
     SkyLight sky_;
 };
 
@@ -78,13 +107,11 @@ private:
 // "A General Purpose Unequal Probability Sampling Plan"): each light rescales the random number, so any number of
 // lights needs no memory. If lights are many, one point or spot light of the tree enters the reservoir, with
 // contribution / probability.
-template<typename Contribution> SceneLight::LightChoice
-SceneLight::chooseLight(const SurfacePoint& point, Sampler& sampler, Contribution contribution) const
+template<typename Contribution>
+SceneLight::LightChoice SceneLight::chooseFrom(const Chooser& chooser, const SurfacePoint& point, float u, vec2 disc,
+                                               Sampler& sampler, Contribution contribution, float& total) const
 {
-    if (lights_.empty()) return {};
-    float u = sampler.next1();
-    const vec2 disc = shading::sampleDisc(sampler.next2());
-    float total = 0.0f;
+    total = 0.0f;
     float chosenWeight = 0.0f;
     const PunctualLight* chosen = nullptr;
     vec3 chosenContribution(0.0f);
@@ -103,13 +130,53 @@ SceneLight::chooseLight(const SurfacePoint& point, Sampler& sampler, Contributio
             u = (u - take) / (1.0f - take);
         }
     };
-    for (const uint32_t index : alwaysChosenFrom_) consider(lights_[index], 1.0f);
-    if (!punctualTree_.empty()) {
-        const LightTree::Choice choice = punctualTree_.sample(point.position, point.normal, sampler.next1());
-        if (choice.probability > 0.0f) consider(lights_[lightOfItem_[choice.item]], choice.probability);
+    for (const uint32_t index : chooser.always) consider(lights_[index], 1.0f);
+    if (!chooser.tree.empty()) {
+        const LightTree::Choice choice = chooser.tree.sample(point.position, point.normal, sampler.next1());
+        if (choice.probability > 0.0f) consider(lights_[chooser.lightOfItem[choice.item]], choice.probability);
     }
     if (chosen == nullptr) return {};
     return {chosen, chosenContribution * (total / chosenWeight), disc};
+}
+
+template<typename Contribution> SceneLight::LightChoice
+SceneLight::chooseLight(const SurfacePoint& point, Sampler& sampler, Contribution contribution) const
+{
+    if (lights_.empty()) return {};
+    if (choosers_.size() > 1) return chooseComponent(point, sampler, contribution);
+    const float u = sampler.next1();
+    const vec2 disc = shading::sampleDisc(sampler.next2());
+    float total = 0.0f;
+    return chooseFrom(choosers_.front(), point, u, disc, sampler, contribution, total);
+}
+
+template<typename Contribution> SceneLight::LightChoice
+SceneLight::chooseComponent(const SurfacePoint& point, Sampler& sampler, Contribution contribution) const
+{
+    constexpr std::size_t kMost = kMostLightGroups + 1;
+    std::array<LightChoice, kMost> choices;
+    std::array<float, kMost> totals{};
+    const vec2 disc = shading::sampleDisc(sampler.next2());
+    float all = 0.0f;
+    int reaching = 0;
+    for (std::size_t c = 0; c < choosers_.size(); ++c) {
+        choices[c] = chooseFrom(choosers_[c], point, sampler.next1(), disc, sampler, contribution, totals[c]);
+        all += totals[c];
+        reaching += totals[c] > 0.0f ? 1 : 0;
+    }
+    float u = sampler.next1();
+    std::size_t last = 0;
+    float lastProbability = 0.0f;
+    for (std::size_t c = 0; c < choosers_.size(); ++c) {
+        if (!(totals[c] > 0.0f)) continue;
+        last = c;
+        lastProbability = 0.5f * totals[c] / all + 0.5f / float(reaching);
+        if (u < lastProbability) break;
+        u -= lastProbability;
+    }
+    if (reaching == 0) return {};
+    choices[last].unshadowed /= lastProbability;
+    return choices[last];
 }
 
 } // namespace halflight

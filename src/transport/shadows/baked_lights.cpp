@@ -190,7 +190,7 @@ private:
 
 /// Adds the lights' direct light to the texels of a pass. The estimate of its texel i is out[places[i]].
 Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lights, uint32_t seed,
-                 std::span<const uint32_t> places, std::span<IrradianceEstimate> out)
+                 std::span<const uint32_t> places, const TexelLight& out)
 {
     std::vector<ShadowSource> sources;
     const PunctualLight* const first = pass.paths.light().lights().data();
@@ -201,9 +201,10 @@ Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> l
     std::vector<LitSum> counts;
     std::vector<vec3> colors;
     if (Status s = traceShadows(pass.of(pass.texels, shadows), sources, counts, &colors); !s) return s;
+    const std::size_t components = out.components.empty() ? 0 : out.components.size() / out.texels.size();
     const auto addTo = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            IrradianceEstimate& estimate = out[places[i]];
+            IrradianceEstimate& estimate = out.texels[places[i]];
             if (!estimate.valid) continue;
             Unshadowed unshadowed(pass, i);
             for (std::size_t l = 0; l < lights.size(); ++l) {
@@ -215,14 +216,18 @@ Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> l
                 const vec3 transmittance = shadowOf(*lights[l], share);
                 if (transmittance == vec3(0.0f)) continue;
                 const Received light = unshadowed.of(*lights[l]);
-                estimate.irradiance += transmittance * light.irradiance;
-                estimate.direct += transmittance * light.irradiance;
-                estimate.moment += momentOf(light, transmittance);
                 // Binomial variance of the lit share; partly lit texels have all rays.
                 const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
                 const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / rays;
-                estimate.varianceOfMean += variance;
-                estimate.varianceOfDirect += variance;
+                const auto add = [&](IrradianceEstimate& to) {
+                    to.irradiance += transmittance * light.irradiance;
+                    to.direct += transmittance * light.irradiance;
+                    to.moment += momentOf(light, transmittance);
+                    to.varianceOfMean += variance;
+                    to.varianceOfDirect += variance;
+                };
+                add(estimate);
+                if (components > 0) add(out.components[places[i] * components + std::size_t(lights[l]->component)]);
             }
         }
     };
@@ -232,7 +237,7 @@ Status addLights(const ShadowPass& pass, std::span<const PunctualLight* const> l
 
 /// Lights that reach every texel, up to four at a time: there is a count for each texel and light.
 Status addLightsEverywhere(const ShadowPass& pass, std::span<const PunctualLight* const> lights, uint32_t seed,
-                           std::span<IrradianceEstimate> out)
+                           const TexelLight& out)
 {
     constexpr std::size_t kLightsAtOnce = 4;
     std::vector<uint32_t> places(lights.empty() ? 0 : pass.texels.size());
@@ -247,8 +252,7 @@ Status addLightsEverywhere(const ShadowPass& pass, std::span<const PunctualLight
 }
 
 /// Lights with a range, block by block of texels, so that cost and memory follow from the lights that reach a texel.
-Status addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_t seed,
-                        std::span<IrradianceEstimate> out)
+Status addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_t seed, const TexelLight& out)
 {
     const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
     // About 64 x 64 texels: those of the rim, whose neighbourhoods reach into other blocks, are few.
@@ -276,7 +280,7 @@ Status addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_
 
 } // namespace
 
-Status addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out)
+Status addBakedLights(const ShadowPass& pass, uint32_t seed, const TexelLight& out)
 {
     std::vector<const PunctualLight*> everywhere;
     std::vector<const PunctualLight*> inReach;

@@ -40,6 +40,64 @@ class Formats(Case):
         self.assert_one_sentence(result, 2, "--lightmap-format", "rgb9e5, half, webp")
 
 
+class LightGroups(Case):
+    """S33: --groups, compose and --group."""
+
+    ROOMS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../assets/tests/light_groups.glb")
+
+    def baked_groups(self, *options):
+        output = self.path("baked.glb")
+        result = run("bake", self.ROOMS, "-o", output, *QUICK, "-q", *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return output, json.loads(run("info", output, "--json").stdout)
+
+    def test_groups_are_listed_composed_and_drawn(self):
+        baked, info = self.baked_groups()
+        json_schema.check(info, "info_output")
+        self.assertEqual([group["name"] for group in info["groups"]], ["lamp", "sun", "west", "east", "day"])
+        self.assertEqual(json_of(baked)["extensions"]["HALFLIGHT_mixed_lighting"]["version"], 3)
+        self.assertIn("light group", run("info", baked).stdout)
+        state = self.path("state.glb")
+        result = run("compose", baked, "-o", state, "--group", "lamp=1", "--group", "sun=0", "--group", "day=0.1,0.1,0.2")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("lamp=1, sun=0", result.stdout)
+        info = json.loads(run("info", state, "--json").stdout)
+        self.assertNotIn("groups", info)
+        self.assertEqual([w for w in info["warnings"] if "stale" in w], [])
+        lights = {light["name"]: light for light in info["lights"]}
+        self.assertEqual((lights["lamp"]["color"], lights["sun"]["intensity"]), ([1, 1, 1], 0))
+        self.assertEqual(json_of(state)["extensions"]["HALFLIGHT_mixed_lighting"]["version"], 2)
+        changes = ["--group", "lamp=1", "--group", "sun=0", "--group", "day=0.1,0.1,0.2"]
+        pictures = []
+        for name, file, options in (("a.png", baked, changes), ("b.png", state, [])):
+            size = ["--size", "64x64", "--exposure", "2", "-q"]
+            self.assertEqual(run("render", file, "-o", self.path(name), *size, *options).returncode, 0)
+            pictures.append(read(self.path(name)))
+        self.assertEqual(*pictures)
+        small = self.path("small.glb")
+        self.assertEqual(run("optimize", baked, small).returncode, 0)
+        self.assertEqual(run("compose", small, "-o", state, "-q", "--group", "sun=0").returncode, 0)
+
+    def test_each_and_off(self):
+        _, info = self.baked_groups("--groups", "each")
+        self.assertEqual(len(info["groups"]), 5, "three lights and the material in two rooms")
+        _, info = self.baked_groups("--groups", "off")
+        self.assertNotIn("groups", info)
+
+    def test_what_is_wrong(self):
+        baked, _ = self.baked_groups()
+        out = ["-o", self.path("x.glb")]
+        self.assert_one_sentence(run("compose", baked, *out, "--group", "moon=1"), 1, "moon", "lamp, sun, west, east, day")
+        self.assert_one_sentence(run("compose", baked, *out, "--group", "sun=-1"), 2, "--group", "sun=-1")
+        self.assert_one_sentence(run("compose", baked, *out, "--group", "sun"), 2, "--group", "lamps=0.5")
+        self.assert_one_sentence(run("compose", self.ROOMS, *out), 1, "has no light groups")
+        self.assert_one_sentence(run("compose", baked, "-o", self.path("x.png")), 2, ".glb or .gltf")
+        cache = ["--cache", self.path("cache")]
+        self.assert_one_sentence(run("bake", self.ROOMS, *out, *QUICK, *cache), 1, "light groups", "--groups off")
+        sidecar = ["--sidecar", self.path("side"), "--groups", "each"]
+        self.assert_one_sentence(run("bake", self.ROOMS, *out, *QUICK, *sidecar), 2, "sidecars hold no light groups")
+
+
 class Progress(Case):
     """--progress lines: what other programs show of a bake, such as the Blender extension."""
 

@@ -24,6 +24,7 @@ export const OPTIONS = {
     probeSpacing: ['--probe-spacing', 'word'],
     probeLayout: ['--probe-layout', 'word'],
     reflectionProbes: ['--reflection-probes', 'switch'],
+    groups: ['--groups', 'word'],
     sky: ['--sky', 'list'],
     emissionUnit: ['--emission-unit', 'word'],
     seed: ['--seed', 'word'],

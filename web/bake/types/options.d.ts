@@ -47,6 +47,8 @@ export interface BakeSettings {
     probeLayout?: 'refined' | 'grid';
     /** pictures of the rooms for glossy surfaces to reflect (default on) */
     reflectionProbes?: boolean;
+    /** light groups, whose light the file holds by itself: as the scene names them, each light and emissive material alone, or none (default authored) */
+    groups?: 'authored' | 'each' | 'off';
     /** radiance of a uniform sky in nits, instead of the scene's own */
     sky?: [number, number, number];
     /** what emission in the file counts: cd/m2, or watts as Blender's exporter writes it, 683 times as bright (default nits, or what the file says) */

@@ -40,6 +40,11 @@ export class HalflightMixedLighting extends Extension {
                 `the bake is of version ${record.version} of the format, and tools keep versions 2 and 3: bake the file again`
             );
         }
+        if (record.groups) {
+            throw new Error(
+                'the bake has light groups, which this package does not keep yet: halflight compose writes a state of them as a file without groups'
+            );
+        }
         const lighting = this.createMixedLighting();
         const keep = (key, reference) => {
             const def = json.textures[reference.index];

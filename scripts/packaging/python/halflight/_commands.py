@@ -39,6 +39,7 @@ def bake(
     probe_spacing: Optional[float] = None,
     probe_layout: Optional[Literal["refined", "grid"]] = None,
     reflection_probes: Optional[bool] = None,
+    groups: Optional[Literal["authored", "each"]] = None,
     sky: Optional[Union[Sequence[float], str]] = None,
     emission_unit: Optional[Literal["nits", "blender"]] = None,
     settings: Optional[Path] = None,
@@ -97,6 +98,8 @@ def bake(
         probe_layout: probes where light changes and on floors, or a regular grid alone, for engines that read nothing
             else (default refined)
         reflection_probes: pictures of the rooms for glossy surfaces to reflect (default on)
+        groups: light groups, whose light the file holds by itself: as the scene names them, each light and emissive
+            material alone, or none (default authored)
         sky (R,G,B): radiance of a uniform sky in nits, instead of the scene's own
         emission_unit: what emission in the file counts: cd/m2, or watts as Blender's exporter writes it, 683 times as
             bright (default nits, or what the file says)
@@ -106,7 +109,7 @@ def bake(
             avx2 where it is there, else sse2)
     Run:
         device: what traces rays: cpu, gpu, or gpu:NAME by part of its name (default auto: cpu). A GPU gathers the
-            lightmap's light, and the processor does the rest; light differs within its noise
+            lightmap's light and denoises it, and the processor does the rest; light differs within its noise
         threads (0..4096): 0 = all cores; changes no byte of the result (default 0)
         cache: keep finished tiles in this folder: an interrupted bake goes on where it stopped, a changed scene is
             baked anew only where the change shows; several bakes may share it
@@ -155,6 +158,7 @@ def bake(
         *_run.option("--probe-spacing", probe_spacing),
         *_run.option("--probe-layout", probe_layout),
         *_run.option("--reflection-probes", reflection_probes),
+        *_run.option("--groups", groups),
         *_run.option("--sky", sky),
         *_run.option("--emission-unit", emission_unit),
         *_run.option("--settings", settings),
@@ -188,6 +192,7 @@ def render(
     reflection_probes: Optional[bool] = None,
     specular: Optional[bool] = None,
     light: Optional[Union[str, Sequence[str]]] = None,
+    group: Optional[Union[str, Sequence[str]]] = None,
     size: Optional[Union[Tuple[int, int], str]] = None,
     samples: Optional[Literal[1, 4, 9, 16]] = None,
     exposure: Optional[Union[float, Literal["auto"]]] = None,
@@ -233,6 +238,8 @@ def render(
         specular: off: surfaces in view are diffuse, to judge a bake alone (default on)
         light (NAME:KEY=VALUE,…): change a light since its bake: intensity, color, direction, position, range, strength,
             inner-cone, outer-cone (degrees), depth-bias, slope-bias, normal-bias; may be repeated
+        group (NAME=WEIGHT): weight of one of the bake's light groups, one number or three for red, green and blue
+            (default: as the file has it); may be repeated
         size (WxH): width and height in pixels (default 1280x720)
         samples: samples of a pixel, each lit, on a regular grid: antialiasing (default 4; 1 in views)
         exposure: EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey, up to 2 stops
@@ -281,6 +288,7 @@ def render(
         *_run.option("--reflection-probes", reflection_probes),
         *_run.option("--specular", specular),
         *_run.each("--light", light),
+        *_run.each("--group", group),
         *_run.option("--size", size, between="x"),
         *_run.option("--samples", samples),
         *_run.option("--exposure", exposure),

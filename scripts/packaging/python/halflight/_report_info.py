@@ -117,6 +117,19 @@ class InfoProbes(Record):
 
 
 @dataclass(frozen=True, eq=False)
+class InfoGroup(Record):
+    """A part of a report."""
+
+    name: str
+    weight: List[float]
+    peak_lux: float
+    pages: int
+    lights: List[str]
+    materials: List[str]
+    sky: bool
+
+
+@dataclass(frozen=True, eq=False)
 class InfoReport(Record):
     """What a glTF file, plain or baked, holds."""
 
@@ -146,3 +159,5 @@ class InfoReport(Record):
     warnings: List[str]
     # Of a baked file.
     mode: Optional[Literal["baked-indirect", "shadowmask", "subtractive"]] = None
+    # Light groups of the bake; absent where it has none.
+    groups: Optional[List[InfoGroup]] = None

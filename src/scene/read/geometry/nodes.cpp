@@ -191,6 +191,7 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const A
             state.animated = parent.animated;
             state.isStaticExtras = parent.isStaticExtras;
             state.isStaticFile = parent.isStaticFile;
+            state.settings.group = parent.settings.group;
         }
         state.node = pending.node;
         state.name = stringOf(json, "name");
@@ -218,7 +219,7 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const A
         if (fromFile.isStatic) state.isStaticFile = fromFile.isStatic;
         const auto record = bakedRecord(json, path);
         if (!record) return record.error();
-        state.settings = mergeSettings(mergeSettings(*authored, *record), fromFile);
+        state.settings = mergeSettings(mergeSettings(mergeSettings(state.settings, *authored), *record), fromFile);
         state.settings.isStatic = state.isStaticFile ? state.isStaticFile
                                   : record->isStatic ? record->isStatic
                                                      : state.isStaticExtras;

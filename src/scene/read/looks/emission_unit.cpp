@@ -1,5 +1,7 @@
 #include "scene/read/looks/emission_unit.h"
 
+#include "scene/document/patcher.h"
+
 #include <algorithm>
 #include <string>
 
@@ -61,6 +63,28 @@ void writeScaledEmission(Json& document, const Scene& scene)
     Json& active = document["scenes"][std::size_t(integerOf(document, "scene", 0))];
     if (!active.contains("extras") || active["extras"].is_object())
         active["extras"][kEmissionUnitKey] = nameOf(EmissionUnit::Nits);
+}
+
+void writeChangedEmission(Json& document, const Scene& scene, const std::vector<int>& materials)
+{
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        if (materials[i] < 0) continue;
+        Json& material = document["materials"][std::size_t(materials[i])];
+        const Json& factor = member(material, "emissiveFactor");
+        const Json& strength = member(extensionOf(material, kStrength), "emissiveStrength");
+        const bool hasFactor = factor.is_array() && factor.size() == 3;
+        vec3 written(0.0f);
+        for (int c = 0; hasFactor && c < 3; ++c) written[c] = std::max(factor[std::size_t(c)].get<float>(), 0.0f);
+        written *= strength.is_number() ? strength.get<float>() : 1.0f;
+        const vec3 nits = scene.materials[i].emissiveNits;
+        if (glm::all(glm::lessThanEqual(glm::abs(written - nits), 1.0e-4f * (written + nits)))) continue;
+        const float most = std::max({1.0f, nits.x, nits.y, nits.z});
+        material["emissiveFactor"] = numbers(nits / most);
+        if (strength.is_number() || most > 1.0f) material["extensions"][kStrength]["emissiveStrength"] = most;
+        Json& used = document["extensionsUsed"];
+        if (most > 1.0f && std::find(used.begin(), used.end(), kStrength) == used.end()) used.push_back(kStrength);
+        if (used.empty()) document.erase("extensionsUsed");
+    }
 }
 
 } // namespace halflight

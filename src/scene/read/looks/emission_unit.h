@@ -18,4 +18,8 @@ void applyEmissionUnit(const SourceDocument& document, std::optional<EmissionUni
 /// where Scene::emissionScale is 1.
 void writeScaledEmission(Json& document, const Scene& scene);
 
+/// Writes emission that is not the document's into materials, of scene materials whose emission was changed since it
+/// was read. `materials`: the file's material of each.
+void writeChangedEmission(Json& document, const Scene& scene, const std::vector<int>& materials);
+
 } // namespace halflight

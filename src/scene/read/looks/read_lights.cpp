@@ -1,6 +1,7 @@
 #include "scene/read/looks/read_lights.h"
 
 #include "halflight/base/text.h"
+#include "halflight/scene/light_groups.h"
 #include "halflight/scene/mask_values.h"
 #include "scene/model/origin.h"
 #include "scene/model/pose.h"
@@ -73,6 +74,7 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
     if (Status s = readNumber(record, "indirectMultiplier", 0.0f, kMax, path, light.indirectMultiplier); !s) return s;
     if (Status s = readNumber(record, "radius", 0.0f, kMax, path, light.radiusMeters); !s) return s;
     if (Status s = readNumber(record, "angularRadius", 0.0f, kPi, path, light.angularRadiusRadians); !s) return s;
+    if (std::string group = stringOf(record, "group"); isGroupName(group)) light.group = std::move(group);
     const Json& cast = member(record, "castShadows");
     if (cast.is_boolean()) light.castShadows = cast.get<bool>();
     if (isAreaLight(light.type)) { // EXT_lights_area has no range
@@ -105,6 +107,10 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
         output.occlusionMaskChannel = channel.get<int>();
     }
     output.reason = stringOf(baking, "reason");
+    if (const Json& group = member(baking, "group"); group.is_number_unsigned()) {
+        output.group = group.get<int>();
+        readVec3(member(baking, "white"), output.white);
+    }
     if (glm::dmat4 pose(1.0); readMatrix(member(baking, "worldFromLight"), pose))
         output.worldFromLight = localFromWorld(pose, origin);
     // Lights without a range have no reach unless the bake gave them one; other lights without a record are of files
@@ -185,6 +191,7 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
         }
         applySettings(*settings, light);
     }
+    light.group = state.settings.group.value_or(light.group);
     const std::string recordPath = nodePath + "/extensions/HALFLIGHT_light";
     if (Status s = readRecord(extensionOf(node, "HALFLIGHT_light"), recordPath, origin, light); !s) return s.error();
     for (auto& rule : file.lights) {

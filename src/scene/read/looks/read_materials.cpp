@@ -1,7 +1,9 @@
 #include "scene/read/looks/read_materials.h"
+#include "halflight/scene/light_groups.h"
 #include "scene/document/decode/compression.h"
 #include "scene/format/material_sides.h"
 #include "scene/read/looks/decode_textures.h"
+#include "scene/settings/setting_values.h"
 
 #include <algorithm>
 #include <cmath>
@@ -320,6 +322,12 @@ Status readSwitches(const Json& json, const std::string& path, FileSettings& fil
     flag("castShadows", material.castShadows);
     flag("receiveShadows", material.receiveShadows);
     flag("tinted", material.tinted);
+    if (std::string group = stringOf(record, "group"); isGroupName(group)) material.group = std::move(group);
+    const Json& baking = member(record, "baking");
+    if (const Json& group = member(baking, "group"); group.is_number_unsigned()) {
+        material.bakedGroup = group.get<int>();
+        readVec3(member(baking, "white"), material.whiteNits);
+    }
     for (auto& rule : file.materials) {
         if (!matchesPattern(rule.pattern, material.name)) continue;
         rule.matched = true;

@@ -1,6 +1,7 @@
 #include "scene/read/looks/read_sky.h"
 
 #include "halflight/base/rgb9e5.h"
+#include "halflight/scene/light_groups.h"
 #include "halflight/scene/sky_picture.h"
 #include "scene/format/bake_members.h"
 #include "scene/pictures/ktx2.h"
@@ -54,6 +55,7 @@ SceneSettings recordedSky(const SourceDocument& document)
     record.skyHorizon = color("horizon");
     record.skyGround = color("ground");
     record.skyOfBake = member(sky, "picture").is_object();
+    if (std::string group = stringOf(sky, "group"); isGroupName(group)) record.skyGroup = std::move(group);
     return record;
 }
 

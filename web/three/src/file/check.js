@@ -88,6 +88,7 @@ export function checkBake(json) {
     if (root.version > 3) throw invalid(BAKE, `was written by a newer version of this program: its format is version ${root.version}`);
     if (root.version === 1) throw invalid(BAKE, 'was written by an old version of the program: bake again');
     if (root.version !== 2 && root.version !== 3) throw invalid(BAKE, `version is ${shown(root.version)}, not 2 or 3`);
+    if (root.groups !== undefined) throw invalid(BAKE, 'has light groups, which this plug-in does not show: halflight compose writes a state of them as a file without groups');
     if (!MODES.includes(root.mode)) throw invalid(BAKE, `mode is not ${MODES.slice(0, 2).join(', ')} or ${MODES[2]}`);
     checkShape(json, SHAPE, '');
     checkBounds(json);

@@ -1,0 +1,26 @@
+#pragma once
+// A state of a bake with light groups (spec S33), as a bake without groups.
+
+#include "halflight/base/result.h"
+#include "halflight/scene/baked_scene.h"
+
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+/// A weight by the name of its group.
+struct GroupWeight {
+    std::string name;
+    vec3 weight{1.0f};
+};
+
+/// The saved weights of the groups, with those of `changes`. InvalidArgument names groups that the bake lacks.
+Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vector<GroupWeight>& changes);
+
+/// Adds the light of the groups, each times its weight, to lightmaps, directions and probes. Members' colours and
+/// intensities, emission and the sky are those of the weights. The result has no groups. Reflection probes stay as they
+/// were baked. Does nothing in a bake without groups.
+void composeGroups(BakedScene& baked, const std::vector<vec3>& weights);
+
+} // namespace halflight

@@ -1,0 +1,66 @@
+#pragma once
+// Light groups (spec S33): sets of lights, emissive materials and the sky whose light a bake stores by itself.
+
+#include "halflight/base/result.h"
+#include "halflight/scene/scene.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace halflight {
+
+/// Groups of a file. What is in none is the rest.
+constexpr std::size_t kMostLightGroups = 16;
+constexpr std::size_t kMostGroupName = 64; ///< bytes
+
+/// 1 to kMostGroupName bytes without control characters. Names that begin with "sky." are kept for parts of the sky.
+bool isGroupName(std::string_view name);
+constexpr const char* kGroupNames = "a name of 1 to 64 characters that does not begin with \"sky.\"";
+
+/// Authored: as the scene says. Each: every light and emissive material is a group. Off: there are no groups.
+enum class GroupChoice { Authored, Each, Off };
+/// As --groups has it: "authored", "each", "off".
+const char* nameOf(GroupChoice choice);
+
+struct LightGroup {
+    std::string name;
+    /// By channel, what the group's light is multiplied by. In a bake, that of the lights as they are in the scene.
+    vec3 weight{1.0f};
+};
+
+/// Which group each source of light belongs to, and its white light. A group is baked in white: colours are over the
+/// largest of the group by channel, the group's weight. They are 1 in a channel in which the group is black. A group
+/// that is all dark has the weight 0, and its members the intensity 1.
+struct LightGrouping {
+    std::vector<LightGroup> groups;
+    std::vector<int> ofLight;    ///< by Scene::lights; -1 = the rest
+    std::vector<int> ofMaterial; ///< by Scene::materials
+    int ofSky = -1;
+
+    struct LightValue {
+        vec3 color{1.0f};
+        float intensity = 1.0f;
+    };
+    std::vector<LightValue> lights; ///< by Scene::lights
+    std::vector<vec3> emission;     ///< nits, by Scene::materials
+    Sky sky;
+
+    /// Exchanges the light of the scene's sources with that of this grouping: white by the first call, as the scene had
+    /// it by the second.
+    void exchange(Scene& scene);
+};
+
+/// Sources without baked light are in no group. Adds warnings of them to the scene's. InvalidArgument where there are
+/// more than kMostLightGroups.
+Result<LightGrouping> groupLights(Scene& scene, GroupChoice choice);
+
+/// Gives materials that emit the groups of their objects' nodes. A material of several groups becomes several, and so
+/// does a mesh. `groups`: by object; empty = the node has none.
+void groupEmission(Scene& scene, const std::vector<std::string>& groups);
+
+/// The sky with its light times a colour.
+Sky scaledSky(const Sky& sky, vec3 factor);
+
+} // namespace halflight

@@ -1,0 +1,44 @@
+#pragma once
+// Stages of bakes with light groups (spec S33): the light of each component, from estimates to pages and probes.
+
+#include "bake/first_stages.h"
+#include "bake/probes/probes.h"
+#include "bake/seams/seams.h"
+
+#include "halflight/scene/light_groups.h"
+
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+/// What a bake cannot do with light groups, as an error.
+Status checkGroups(const BakeSettings& settings, const LightGrouping& grouping);
+
+/// For the integrator: group g is component g + 1.
+LightComponents componentsOf(const LightGrouping& grouping);
+
+/// Estimates of the map's texels; of components by texel and component.
+Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightmap,
+                       std::span<IrradianceEstimate> estimates, std::vector<IrradianceEstimate>& components,
+                       const Progress& progress);
+
+/// Denoises, fills and encodes the pages of each component, into the baked scene; each by itself, as a bake of its
+/// lights alone would be. Releases `components`.
+Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
+                           std::vector<IrradianceEstimate>& components, const std::vector<uint8_t>& valid,
+                           const std::vector<SeamSample>& seams, BakeReport& report);
+
+/// What addProbeLayers() will do to the set, for its components.
+void addLayersOfComponents(BakedProbes& probes);
+
+/// Takes the components of probes into the baked scene: probes keep the rest.
+void keepComponentsOfProbes(const BakedProbes& probes, BakedScene& baked);
+
+/// Pages of all light, lux: the rest and the groups by their weights.
+std::vector<ImageRgb32f> composedPages(const BakeResult& result);
+
+/// Gives the scene its own light back, and what the bake had of it.
+void finishGroups(LightGrouping& grouping, BakedScene& baked);
+
+} // namespace halflight

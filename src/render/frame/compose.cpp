@@ -1,0 +1,148 @@
+#include "halflight/render/compose.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/base/rgb9e5.h"
+#include "halflight/scene/light_groups.h"
+#include "halflight/shading/color.h"
+#include "halflight/shading/directional.h"
+
+#include <algorithm>
+
+namespace halflight {
+namespace {
+
+/// What the bake holds of one page by itself.
+struct PageLight {
+    const Image<uint32_t>* texels = nullptr;
+    const ImageRgba8* directions = nullptr; ///< may be null
+    float unitLux = 1.0f;
+    vec3 weight{1.0f};
+};
+
+/// Light of a page, and its first moment where there are directions.
+void addPage(const PageLight& page, ImageRgb32f& light, ImageRgb32f& moments)
+{
+    parallelFor(light.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const vec3 own = unpackRgb9e5(page.texels->data()[i]) * page.unitLux * page.weight;
+            light.data()[i] += own;
+            if (moments.empty() || page.directions == nullptr) continue;
+            const vec3 encoded = vec3(page.directions->data()[i]) / 255.0f;
+            moments.data()[i] += luminance(own) * shading::decodeMeanDirection(encoded);
+        }
+    });
+}
+
+/// Keeps the alpha of `directions`, which says how far texels trust reflection probes.
+void encodeDirectionsOf(const ImageRgb32f& light, const ImageRgb32f& moments, ImageRgba8& directions)
+{
+    for (std::size_t i = 0; i < light.texelCount(); ++i) {
+        const float all = luminance(light.data()[i]);
+        const vec3 direction = all > 0.0f ? moments.data()[i] / all : vec3(0.0f);
+        const vec3 encoded = shading::encodeMeanDirection(direction) * 255.0f + 0.5f;
+        directions.data()[i] = u8vec4(u8vec4::value_type(encoded.x), u8vec4::value_type(encoded.y),
+                                      u8vec4::value_type(encoded.z), directions.data()[i].w);
+    }
+}
+
+void composePages(BakedScene& baked, const std::vector<vec3>& weights)
+{
+    std::vector<ImageRgb32f> pages;
+    float brightest = 0.0f;
+    for (std::size_t p = 0; p < baked.lightmaps.size(); ++p) {
+        ImageRgb32f light(baked.lightmaps[p].width(), baked.lightmaps[p].height());
+        const bool directional = !baked.lightmapDirections.empty();
+        ImageRgb32f moments;
+        if (directional) moments = ImageRgb32f(light.width(), light.height());
+        addPage({&baked.lightmaps[p], directional ? &baked.lightmapDirections[p] : nullptr, baked.lightmapUnitLux},
+                light, moments);
+        for (std::size_t g = 0; g < baked.groups.size(); ++g) {
+            const BakedGroup& group = baked.groups[g];
+            if (group.lightmaps[p].empty() || weights[g] == vec3(0.0f)) continue;
+            const bool hasDirections = !group.directions.empty() && !group.directions[p].empty();
+            addPage({&group.lightmaps[p], hasDirections ? &group.directions[p] : nullptr, group.unitLux, weights[g]},
+                    light, moments);
+        }
+        if (directional) encodeDirectionsOf(light, moments, baked.lightmapDirections[p]);
+        for (const vec3 texel : light.texels()) brightest = std::max({brightest, texel.x, texel.y, texel.z});
+        pages.push_back(std::move(light));
+    }
+    baked.lightmapUnitLux = 1.0f;
+    while (brightest > kMaxRgb9e5 * baked.lightmapUnitLux) baked.lightmapUnitLux *= 2.0f;
+    for (std::size_t p = 0; p < pages.size(); ++p) baked.lightmaps[p] = encodeRgb9e5(pages[p], baked.lightmapUnitLux);
+}
+
+/// The light of a lamp as a colour of at most 1 and an intensity, which stays where it can.
+void setLight(Light& light, vec3 colorIntensity)
+{
+    const float most = std::max({colorIntensity.x, colorIntensity.y, colorIntensity.z});
+    if (!(most > 0.0f)) {
+        light.intensity = 0.0f;
+        return;
+    }
+    if (!(light.intensity >= most)) light.intensity = most;
+    light.color = colorIntensity / light.intensity;
+}
+
+/// Colours of members at weights that are not the saved ones.
+void composeSources(BakedScene& baked, const std::vector<vec3>& weights)
+{
+    const auto isChanged = [&](int group) {
+        return group >= 0 && weights[std::size_t(group)] != baked.groups[std::size_t(group)].weight;
+    };
+    for (Light& light : baked.scene.lights) {
+        if (isChanged(light.baking.group)) {
+            setLight(light, light.baking.white * weights[std::size_t(light.baking.group)]);
+            light.baking.atBake.colorIntensity = light.color * light.intensity;
+        }
+        light.baking.group = -1;
+    }
+    for (Material& material : baked.scene.materials) {
+        if (isChanged(material.bakedGroup))
+            material.emissiveNits = material.whiteNits * weights[std::size_t(material.bakedGroup)];
+        material.bakedGroup = -1;
+    }
+    for (std::size_t g = 0; g < baked.groups.size(); ++g) {
+        if (!baked.groups[g].sky || !isChanged(int(g))) continue;
+        const vec3 saved = baked.groups[g].weight;
+        vec3 factor(0.0f); // a sky that is black in a channel stays so
+        for (int c = 0; c < 3; ++c)
+            if (saved[c] > 0.0f) factor[c] = weights[g][c] / saved[c];
+        baked.scene.sky = scaledSky(baked.scene.sky, factor);
+    }
+}
+
+} // namespace
+
+Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vector<GroupWeight>& changes)
+{
+    std::vector<vec3> weights;
+    for (const BakedGroup& group : baked.groups) weights.push_back(group.weight);
+    for (const GroupWeight& change : changes) {
+        const auto group = std::ranges::find(baked.groups, change.name, &BakedGroup::name);
+        if (group == baked.groups.end()) {
+            std::string names;
+            for (const BakedGroup& other : baked.groups) names += (names.empty() ? "" : ", ") + other.name;
+            return Error{ErrorCode::InvalidArgument,
+                         "has no light group \"" + change.name + "\"" +
+                             (names.empty() ? ", nor any other" : "; its groups are " + names),
+                         ""};
+        }
+        weights[std::size_t(group - baked.groups.begin())] = change.weight;
+    }
+    return weights;
+}
+
+void composeGroups(BakedScene& baked, const std::vector<vec3>& weights)
+{
+    if (baked.groups.empty()) return;
+    composePages(baked, weights);
+    for (std::size_t g = 0; g < baked.groups.size(); ++g)
+        for (std::size_t i = 0; i < baked.groups[g].radiance.size(); ++i)
+            for (std::size_t k = 0; k < 9; ++k)
+                baked.probes.probes[i].radiance[k] += weights[g] * baked.groups[g].radiance[i][k];
+    composeSources(baked, weights);
+    baked.groups.clear();
+}
+
+} // namespace halflight
