@@ -327,19 +327,6 @@ private:
     Background pages_;       ///< ends before what it works on
 };
 
-/// Gives the scene its own light in place of white groups, and an integrator of it.
-Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages)
-{
-    if (grouping.groups.empty()) return {};
-    finishGroups(grouping, run.baked());
-    if (!run.settings.reflectionProbes) return {};
-    stages.integration.components = {};
-    auto integrator = factory.make(run.baked().scene, stages.geometry, stages.integration);
-    if (!integrator) return integrator.error();
-    stages.integrator = std::move(*integrator);
-    return {};
-}
-
 } // namespace
 
 std::string cacheWarning(const std::filesystem::path& folder, const Error& error)
@@ -378,10 +365,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     if (!grouping) return grouping.error();
     if (Status s = checkGroups(settings, *grouping); !s) return s.error();
     const BakeRun run{settings, progress, result, live, &images, componentsOf(*grouping)};
-    grouping->exchange(scene);
-    for (std::size_t g = 0; g < grouping->groups.size(); ++g)
-        result.baked.groups.push_back(
-            {grouping->groups[g].name, grouping->groups[g].weight, grouping->ofSky == int(g)});
+    beginGroups(*grouping, scene, result.baked);
     FirstStages firstStages;
     if (Status status = prepareTexels(run, std::move(scene), integratorFactory, CacheUse{}, firstStages); !status)
         return status.error();

@@ -182,6 +182,9 @@ std::vector<ImageRgb32f> composedPages(const BakeResult& result)
     return pages;
 }
 
+namespace {
+
+/// Gives the scene its own light back, and what the bake had of it.
 void finishGroups(LightGrouping& grouping, BakedScene& baked)
 {
     Scene& scene = baked.scene;
@@ -197,6 +200,27 @@ void finishGroups(LightGrouping& grouping, BakedScene& baked)
     grouping.exchange(scene);
     for (Light& light : scene.lights)
         if (light.baking.group >= 0) light.baking.atBake.colorIntensity = light.color * light.intensity;
+}
+
+} // namespace
+
+void beginGroups(LightGrouping& grouping, Scene& scene, BakedScene& baked)
+{
+    grouping.exchange(scene);
+    for (std::size_t g = 0; g < grouping.groups.size(); ++g)
+        baked.groups.push_back({grouping.groups[g].name, grouping.groups[g].weight, grouping.ofSky == int(g)});
+}
+
+Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages)
+{
+    if (grouping.groups.empty()) return {};
+    finishGroups(grouping, run.baked());
+    if (!run.settings.reflectionProbes) return {};
+    stages.integration.components = {};
+    auto integrator = factory.make(run.baked().scene, stages.geometry, stages.integration);
+    if (!integrator) return integrator.error();
+    stages.integrator = std::move(*integrator);
+    return {};
 }
 
 } // namespace halflight

@@ -38,7 +38,9 @@ void keepComponentsOfProbes(const BakedProbes& probes, BakedScene& baked);
 /// Pages of all light, lux: the rest and the groups by their weights.
 std::vector<ImageRgb32f> composedPages(const BakeResult& result);
 
-/// Gives the scene its own light back, and what the bake had of it.
-void finishGroups(LightGrouping& grouping, BakedScene& baked);
+/// Makes the scene's groups white, and notes them in the baked scene.
+void beginGroups(LightGrouping& grouping, Scene& scene, BakedScene& baked);
+/// Gives the scene its own light in place of white groups, and an integrator of it.
+Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages);
 
 } // namespace halflight

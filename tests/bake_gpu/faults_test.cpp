@@ -32,7 +32,7 @@ struct GpuFaults : testing::Test {
     {
         calls = 0;
         const auto fails = [this, number] { return ++calls == number; };
-        return openBakeDevice({.name = "lavapipe", .fails = fails});
+        return openBakeDevice({.name = testDeviceName(), .fails = fails});
     }
     std::atomic<int> calls = 0;
 };

@@ -12,13 +12,20 @@
 
 namespace halflight::test {
 
+/// Part of the device's name.
+inline std::string testDeviceName()
+{
+    const char* name = std::getenv("HALFLIGHT_TEST_DEVICE");
+    return name != nullptr ? name : "lavapipe";
+}
+
 /// Tests of a suite share one device. They are skipped where there is none that traces rays.
 class BakeDeviceTest : public testing::Test {
 protected:
     static void SetUpTestSuite()
     {
-        const char* name = std::getenv("HALFLIGHT_TEST_DEVICE");
-        auto opened = openBakeDevice({.name = name != nullptr ? name : "lavapipe", .validation = name == nullptr});
+        const std::string name = testDeviceName();
+        auto opened = openBakeDevice({.name = name, .validation = name == "lavapipe"});
         if (opened)
             device = *opened;
         else

@@ -215,6 +215,12 @@ HL_FN_OF(Field) ClampedTexel withoutOutlier(HL_IN(Field) field, uint texel)
     return clamped;
 }
 
+// Whether light was clamped. What a device computes twice may differ by its rounding.
+HL_FN bool isClamped(vec3 clamped, vec3 before)
+{
+    return length(clamped - before) > 1.0e-5f * length(before);
+}
+
 // An interpolated texel beside a clamped outlier holds a share of it: its limit is the brightest adjacent traced texel.
 HL_FN_OF(Field) ClampedTexel withoutShareOfOutlier(HL_IN(Field) field, uint texel, NoisyLight light)
 {
@@ -225,7 +231,7 @@ HL_FN_OF(Field) ClampedTexel withoutShareOfOutlier(HL_IN(Field) field, uint texe
             uint j = texelOnSurface(field.grid, texel, ivec2(dx, dy));
             if (j == kNowhere || !isTraced(field, j)) continue;
             vec3 other = clampedLight(field, j).irradiance;
-            beside = beside || other != scaledLight(field, j).irradiance;
+            beside = beside || isClamped(other, scaledLight(field, j).irradiance);
             brightest = max(brightest, luminanceOf(other));
         }
     }

@@ -120,6 +120,15 @@ Result<std::vector<Place>> placesBesideSurfaces(const Bounds& box, float reachMe
     return places;
 }
 
+std::vector<Place> checkPlaces(const std::vector<Place>& places, std::size_t probeCount)
+{
+    const std::size_t most = std::min(kMostProbes / 80, probeCount / 32);
+    if (places.size() <= most) return places;
+    std::vector<Place> some;
+    for (std::size_t i = 0; i < most; ++i) some.push_back(places[i * places.size() / most]);
+    return some;
+}
+
 bool isUnlit(const Place& place, const SphericalHarmonicsL2& radiance, float dark)
 {
     return place.roomMeters == kInfinity && meanIrradiance(radiance) < dark;

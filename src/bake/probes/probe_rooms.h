@@ -23,6 +23,9 @@ Result<std::vector<Place>> placesBesideSurfaces(const Bounds& box, float reachMe
 /// end in nothing, and nobody sees objects there. A dark place in a room is not. `dark`: darkIrradiance().
 bool isUnlit(const Place& place, const SphericalHarmonicsL2& radiance, float dark);
 
+/// Places of check probes, spread over a list: one to 32 probes, up to 250.
+std::vector<Place> checkPlaces(const std::vector<Place>& places, std::size_t probeCount);
+
 /// A cell of probes, and the places in it.
 struct RoomCell {
     ProbeTree::Cell cell;

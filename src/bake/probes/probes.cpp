@@ -24,16 +24,6 @@ constexpr std::size_t kNewPointsOfCell = 19;       ///< of its 27, all but the c
 /// Standard error of a probe's light, over it, above which it is traced again: denoising divides it by two or three.
 constexpr float kNoisy = 0.15f;
 
-/// Places of check probes, spread over a list: one to 32 probes, up to 250.
-std::vector<Place> spreadOver(const std::vector<Place>& places, std::size_t probeCount)
-{
-    const std::size_t most = std::min(kMostProbes / 80, probeCount / 32);
-    if (places.size() <= most) return places;
-    std::vector<Place> some;
-    for (std::size_t i = 0; i < most; ++i) some.push_back(places[i * places.size() / most]);
-    return some;
-}
-
 using ProbeComponents = std::vector<SphericalHarmonicsL2>;
 
 /// Probes baked so far, and the links between neighbours.
@@ -345,7 +335,7 @@ Result<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLay
     const auto finish = [&](std::vector<Probe> probes, const std::vector<Place>& between) -> Result<BakedProbes> {
         set.probes = std::move(probes);
         result.components = std::move(bake.components);
-        const std::vector<Place> checked = spreadOver(between, set.probes.size());
+        const std::vector<Place> checked = checkPlaces(between, set.probes.size());
         for (const Place& place : checked) result.checkedAt.push_back(place.position);
         if (Status s = bake.trace(result.checkedAt, result.checks); !s) return s.error();
         leaveOutUnlit(checked, result);
