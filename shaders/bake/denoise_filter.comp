@@ -30,7 +30,7 @@ vec3 filteredMoment(TapComparison toGathered)
         weights += weight;
         sum += weight * momentOf[k];
     }
-    return weights > 0.0 ? sum / weights : momentOf[kMiddleTap];
+    return weights > kLeastWeight ? sum / weights : momentOf[kMiddleTap];
 }
 
 // One level of the filter, as filterTexel() in denoise.cpp.

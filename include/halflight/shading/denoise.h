@@ -266,14 +266,16 @@ HL_FN float tapDistance(TapComparison to, float luminance, float variance, float
 // Directions stop at edges of direct light: differences of this share count.
 HL_CONST float kMomentTolerance = 0.2f;
 
+// Sum of weights below which taps differ from a texel by far more than noise. Its square is a float that no device
+// takes for 0.
+HL_CONST float kLeastWeight = 1.0e-16f;
+
 // A weighted mean, and its variance: that of independent values times `correlation`. It is never noisier than the
 // middle tap. `variance`: sum of squared weights times variances; `light`: sum of weighted light less the trend.
 HL_FN NoisyLight meanOfTaps(NoisyLight own, float weight, float variance, vec3 light, float correlation)
 {
-    if (!(weight > 0.0f)) return own;
-    float weight2 = weight * weight; // 0 where taps differ by far more than noise
-    float ofMean = weight2 > 0.0f ? correlation * variance / weight2 : own.variance;
-    return noisyLight(light / weight, min(ofMean, own.variance));
+    if (!(weight > kLeastWeight)) return own;
+    return noisyLight(light / weight, min(correlation * variance / (weight * weight), own.variance));
 }
 
 HL_NAMESPACE_END

@@ -228,7 +228,7 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
         ofMoments = forTaps([&](std::size_t k) { return weights[k] * shading::falloff(distance[k]); });
     }
     const float weight = sum(ofMoments);
-    out.moments[i] = weight > 0.0f ? dot(ofMoments, taps.moment) / weight : taps.moment.at(kMiddleTap);
+    out.moments[i] = weight > shading::kLeastWeight ? dot(ofMoments, taps.moment) / weight : taps.moment.at(kMiddleTap);
 }
 
 std::vector<Guide> guidesOf(const DenoiserInput& input)
