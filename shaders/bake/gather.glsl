@@ -6,7 +6,7 @@
 #include "scene.glsl"
 
 #include "bake_gpu/gather_layout.h"
-#include "halflight/shading/color.h"
+#include "halflight/shading/luminance.h"
 #include "halflight/shading/gather.h"
 #include "halflight/shading/patches.h"
 #include "halflight/shading/pattern.h"

@@ -1,16 +1,10 @@
-// Luminance, and colour encoding and exposure of displayed pictures.
+// Colour encoding and exposure of displayed pictures.
 #ifndef HALFLIGHT_SHADING_COLOR_H
 #define HALFLIGHT_SHADING_COLOR_H
 
 #include "language.h"
 
 HL_NAMESPACE_BEGIN
-
-// CIE luminance of a linear Rec. 709 colour (ITU-R BT.709, section 3).
-HL_FN float luminanceOf(vec3 color)
-{
-    return dot(color, vec3(0.2126f, 0.7152f, 0.0722f));
-}
 
 // IEC 61966-2-1.
 HL_FN float srgbFromLinear(float x)

@@ -4,7 +4,7 @@
 #define HALFLIGHT_SHADING_DENOISE_H
 
 #include "language.h"
-#include "reflection.h" // luminanceOf()
+#include "luminance.h"
 
 HL_NAMESPACE_BEGIN
 

@@ -10,7 +10,7 @@
 #ifndef HALFLIGHT_SHADING_REFLECTION_H
 #define HALFLIGHT_SHADING_REFLECTION_H
 
-#include "color.h"
+#include "luminance.h"
 
 HL_NAMESPACE_BEGIN
 

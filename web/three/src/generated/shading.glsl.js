@@ -327,6 +327,10 @@ vec3 hlReflectIndirect(vec3 baseColor, float metallic, float roughness, float sp
     vec3 specular = hlEnvironmentSpecular(f0, f90, roughness, nDotV) * surroundings;
     return diffuse + specular;
 }
+float hlLuminanceOf(vec3 color)
+{
+    return dot(color, vec3(0.2126, 0.7152, 0.0722));
+}
 const int hlReflectionLevels = 5;
 vec2 hlOctahedronFromDirection(vec3 d)
 {
@@ -391,10 +395,6 @@ float hlReflectionCoverage(vec3 boxPosition, vec3 halfSizeMeters, float fadeMete
     vec3 outside = max(abs(boxPosition) - vec3(1.0), vec3(0.0)) * halfSizeMeters;
     float within = max(1.0 - 0.25 * dot(outside, outside) / hlSquare(fadeMeters), 0.0);
     return hlSquare(hlSquare(within)) * within;
-}
-float hlLuminanceOf(vec3 color)
-{
-    return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
 vec3 hlReflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, float trust, vec3 surroundings,
                                  vec3 local, float roughness)

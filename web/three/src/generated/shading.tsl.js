@@ -511,6 +511,12 @@ export const hlReflectIndirect = /*@__PURE__*/ Fn( ( [ baseColor, metallic, roug
 
 }, { baseColor: 'vec3', metallic: 'float', roughness: 'float', specularFactor: 'float', nDotV: 'float', irradiance: 'vec3', surroundings: 'vec3', return: 'vec3' } );
 
+export const hlLuminanceOf = /*@__PURE__*/ Fn( ( [ color ] ) => {
+
+	return dot( color, vec3( float( 0.2126 ), float( 0.7152 ), float( 0.0722 ) ) );
+
+}, { color: 'vec3', return: 'float' } );
+
 const hlReflectionLevels = int( 5 );
 
 export const hlOctahedronFromDirection = /*@__PURE__*/ Fn( ( [ d ] ) => {
@@ -601,12 +607,6 @@ export const hlReflectionCoverage = /*@__PURE__*/ Fn( ( [ boxPosition, halfSizeM
 	return hlSquare( hlSquare( within ) ).mul( within );
 
 }, { boxPosition: 'vec3', halfSizeMeters: 'vec3', fadeMeters: 'float', return: 'float' } );
-
-export const hlLuminanceOf = /*@__PURE__*/ Fn( ( [ color ] ) => {
-
-	return dot( color, vec3( float( 0.2126 ), float( 0.7152 ), float( 0.0722 ) ) );
-
-}, { color: 'vec3', return: 'float' } );
 
 export const hlReflectedSurroundings = /*@__PURE__*/ Fn( ( [ fromProbes, expected, coverage, trust, surroundings, local, roughness ] ) => {
 
