@@ -18,7 +18,7 @@ constexpr int kReach = 5; ///< texels searched for edges: the range, and half a 
 constexpr float kWidestPenumbra = 0.5f * kRangeTexels;
 
 /// A shadow's edge in one texel: a point relative to the texel's centre, and the direction of the lit side.
-struct Edge {
+struct ShadowEdge {
     vec2 point{0.0f};
     vec2 towardsLight{0.0f};
     bool found = false;
@@ -53,7 +53,7 @@ float meanPenumbra(const TexelMap& map, const TexelGrid& grid, const std::vector
     return crossings == 0 ? -1.0f : std::max(0.0f, float(partial) / float(crossings) - 1.0f);
 }
 
-Edge edgeIn(const TexelMap& map, const TexelGrid& grid, const std::vector<vec4>& mask, int channel, std::size_t i)
+ShadowEdge edgeIn(const TexelMap& map, const TexelGrid& grid, const std::vector<vec4>& mask, int channel, std::size_t i)
 {
     const Texel& texel = map.texels[i];
     const float a = mask[i][channel];
@@ -89,7 +89,7 @@ std::array<MaskChannel, kLayerChannels> maskToDistances(const TexelMap& map, std
     const TexelGrid grid(map);
 
     std::array<MaskChannel, kLayerChannels> channels{};
-    std::vector<Edge> edges(map.texels.size());
+    std::vector<ShadowEdge> edges(map.texels.size());
     std::vector<float> distances(map.texels.size());
     for (int channel = 0; channel < kLayerChannels; ++channel) {
         const float penumbra = meanPenumbra(map, grid, mask, channel);
