@@ -1,5 +1,6 @@
 // The loader and the instance.
 #include "gpu/device.h"
+#include "gpu/device_features.h"
 
 #include <algorithm>
 #include <cstring>
