@@ -37,7 +37,7 @@ nightly_of=(
   '^(scripts|cmake|packages|python|CMakeLists)' '^package\.'
   '^(src/view|apps)/' '^cli\.(View|ViewBake|InterruptAnywhere)$'
   '^src/(base|scene)/' '^cli\.(FullDisk|Streams|Georeferenced|Chain|InterruptAnywhere)$|^Validator'
-  '^src/(bake|bake_cpu|transport|unwrap|render)/' '^(cli\.(Truth|Boards|Pictures|Sheets|Glass|TextureSets|Reach)|[A-Z].*)$'
+  '^src/(bake|bake_cpu|bake_gpu|gpu|transport|unwrap|render)/' '^(cli\.(Truth|Boards|Pictures|Sheets|Glass|TextureSets|Reach)|[A-Z].*)$'
 )
 nightly_since() {
   local changed pattern=
