@@ -10,6 +10,7 @@
 
 #include "bake_gpu/denoise_layout.h"
 #include "halflight/shading/denoise.h"
+#include "invocation.glsl"
 
 layout(local_size_x = 64) in; // kDenoiseGroup
 
@@ -61,10 +62,9 @@ layout(push_constant, scalar) uniform Push
 }
 push;
 
-// The invocation's texel; ComputePipeline::run() has rows of so many groups.
 uint texelOfInvocation()
 {
-    return (gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x) * kDenoiseGroup + gl_LocalInvocationIndex;
+    return invocationOf(kDenoiseGroup);
 }
 
 ivec2 placeOfTexel(Grid grid, uint texel)

@@ -3,6 +3,7 @@
 #ifndef HALFLIGHT_BAKE_GATHER_GLSL
 #define HALFLIGHT_BAKE_GATHER_GLSL
 
+#include "invocation.glsl"
 #include "scene.glsl"
 
 #include "bake_gpu/gather_layout.h"
@@ -24,11 +25,8 @@ layout(buffer_reference, scalar) buffer Clusters { GpuCluster at[]; };
 layout(buffer_reference, scalar) buffer SourceTriangles { GpuSourceTriangle at[]; };
 layout(buffer_reference, scalar) buffer AliasBins { GpuAliasBin at[]; };
 layout(buffer_reference, scalar) buffer Members { GpuMember at[]; };
-layout(buffer_reference, scalar) buffer Rays { GpuRay at[]; };
-layout(buffer_reference, scalar) buffer Hits { GpuHit at[]; };
 layout(buffer_reference, scalar) buffer Vectors { vec3 at[]; };
 layout(buffer_reference, scalar) buffer Pairs { vec2 at[]; };
-layout(buffer_reference, scalar) buffer Floats { float at[]; };
 
 // GpuGather::Tables: what a map's gather reads.
 layout(buffer_reference, scalar) buffer Tables
@@ -92,10 +90,9 @@ uint rayOf(uint block, int stratum)
     return block / kChunk * kChunk * uint(kPatternBlock) + uint(stratum) * kChunk + block % kChunk;
 }
 
-// Number of an invocation: dispatches of many have rows of 65535 groups.
 uint invocation()
 {
-    return (gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x) * kGroupSize + gl_LocalInvocationID.x;
+    return invocationOf(kGroupSize);
 }
 
 GpuPoint pointOf(GpuGatherTexel texel, uint block, int stratum)

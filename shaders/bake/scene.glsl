@@ -18,6 +18,9 @@
 // Rays end somewhere: not every device takes an infinite length.
 const float kLongestRay = 1.0e30;
 
+layout(buffer_reference, scalar) buffer Rays { GpuRay at[]; };
+layout(buffer_reference, scalar) buffer Hits { GpuHit at[]; };
+layout(buffer_reference, scalar) buffer Floats { float at[]; };
 layout(buffer_reference, scalar) buffer Slots { GpuSlot at[]; };
 layout(buffer_reference, scalar) buffer Words { uint at[]; };
 layout(buffer_reference, scalar) buffer MaskedTriangles { GpuMaskedTriangle at[]; };

@@ -4,9 +4,6 @@
 
 #include "scene.glsl"
 
-layout(buffer_reference, scalar) buffer Rays { GpuRay at[]; };
-layout(buffer_reference, scalar) buffer Hits { GpuHit at[]; };
-layout(buffer_reference, scalar) buffer Floats { float at[]; };
 layout(buffer_reference, scalar) buffer Ints { int at[]; };
 
 layout(push_constant, scalar) uniform Push

@@ -1,6 +1,7 @@
 #include "bake_gpu/gather.h"
 
 #include "bake_gpu/gather_layout.h"
+#include "transport/lightmap/next_event.h"
 
 #include <algorithm>
 #include <cstring>
@@ -36,7 +37,6 @@ struct Push {
 
 constexpr std::size_t kChunk = 32; ///< blocks whose rays are numbered together
 constexpr std::size_t kMostRays = DeviceGather::kMostBlocks * kPatternBlock;
-constexpr uint32_t kSourceSeed = 0x5eed0008u;
 
 std::vector<vec3> normalsOf(const RayTracer& surfaces)
 {

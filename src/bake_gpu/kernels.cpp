@@ -24,14 +24,6 @@ struct Batch {
     gpu::Buffer upload, rays, results, readback;
 };
 
-void copy(gpu::Device& device, VkCommandBuffer commands, const gpu::Buffer& from, const gpu::Buffer& to,
-          VkDeviceSize bytes)
-{
-    gpu::fullBarrier(device, commands);
-    const VkBufferCopy region{0, 0, bytes};
-    device.vk.CmdCopyBuffer(commands, from.get(), to.get(), 1, &region);
-}
-
 } // namespace
 
 GpuKernels::GpuKernels(std::shared_ptr<BakeDevice> device, const RayScene& scene, std::unique_ptr<RayKernels> cpu)
@@ -52,9 +44,9 @@ Status GpuKernels::trace(Verb verb, std::span<const Ray> rays, bool byChance, co
             const TracePush push{gpuScene_.address(), batch.rays.address(), batch.results.address(),
                                  byChance ? 1u : 0u};
             device.execute([&](VkCommandBuffer commands) {
-                copy(device, commands, batch.upload, batch.rays, some.size_bytes());
+                gpu::copyBytes(device, commands, {batch.upload}, {batch.rays}, some.size_bytes());
                 (device_.get()->*verb)(commands, push, uint32_t(some.size()));
-                copy(device, commands, batch.results, batch.readback, some.size() * sizeof(Out));
+                gpu::copyBytes(device, commands, {batch.results}, {batch.readback}, some.size() * sizeof(Out));
                 gpu::fullBarrier(device, commands);
             });
             use(std::span(reinterpret_cast<const Out*>(batch.readback.mapped()), some.size()), first);

@@ -23,7 +23,7 @@ public:
             const std::size_t some = std::min(itemsAtOnce<T>(), count - first);
             T* const items = reinterpret_cast<T*>(mapped(count * sizeof(T), gpu::MemoryUse::Upload));
             forEachIndex(some, [&](std::size_t i) { items[i] = fill(first + i); });
-            copy(staging_, 0, to, first * sizeof(T), some * sizeof(T));
+            copy({staging_}, {to, first * sizeof(T)}, some * sizeof(T));
         }
     }
     template<typename T> void upload(const gpu::Buffer& to, std::span<const T> list)
@@ -36,7 +36,7 @@ public:
         for (std::size_t first = 0; first < list.size(); first += itemsAtOnce<T>()) {
             const std::size_t some = std::min(itemsAtOnce<T>(), list.size() - first);
             const T* const items = reinterpret_cast<const T*>(mapped(list.size_bytes(), gpu::MemoryUse::Readback));
-            copy(from, first * sizeof(T), staging_, 0, some * sizeof(T));
+            copy({from, first * sizeof(T)}, {staging_}, some * sizeof(T));
             forEachIndex(some, [&](std::size_t i) { list[first + i] = items[i]; });
         }
     }
@@ -60,13 +60,10 @@ private:
         }
         return staging_.mapped();
     }
-    void copy(const gpu::Buffer& from, VkDeviceSize fromByte, const gpu::Buffer& to, VkDeviceSize toByte,
-              VkDeviceSize bytes)
+    void copy(const gpu::BytesOf& from, const gpu::BytesOf& to, VkDeviceSize bytes)
     {
         device_.execute([&](VkCommandBuffer commands) {
-            gpu::fullBarrier(device_, commands);
-            const VkBufferCopy region{fromByte, toByte, bytes};
-            device_.vk.CmdCopyBuffer(commands, from.get(), to.get(), 1, &region);
+            gpu::copyBytes(device_, commands, from, to, bytes);
             gpu::fullBarrier(device_, commands);
         });
     }

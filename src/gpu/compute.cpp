@@ -38,6 +38,14 @@ void fullBarrier(const Device& device, VkCommandBuffer commands)
                    VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
 }
 
+void copyBytes(const Device& device, VkCommandBuffer commands, const BytesOf& from, const BytesOf& to,
+               VkDeviceSize bytes)
+{
+    fullBarrier(device, commands);
+    const VkBufferCopy region{from.offset, to.offset, bytes};
+    device.vk.CmdCopyBuffer(commands, from.buffer.get(), to.buffer.get(), 1, &region);
+}
+
 ComputePipeline::ComputePipeline(const Device& device, std::span<const uint32_t> spirv, uint32_t push)
     : device_(&device), layout_(pushLayout(device, VK_SHADER_STAGE_COMPUTE_BIT, push))
 {

@@ -27,6 +27,14 @@ template<typename T> std::span<const std::byte> bytesOf(const T& value)
 /// validation layer which buffers a shader uses, so that there is one barrier for all.
 void fullBarrier(const Device& device, VkCommandBuffer commands);
 
+/// A part of a buffer's bytes to another buffer, after a full barrier.
+struct BytesOf {
+    const Buffer& buffer;
+    VkDeviceSize offset = 0;
+};
+void copyBytes(const Device& device, VkCommandBuffer commands, const BytesOf& from, const BytesOf& to,
+               VkDeviceSize bytes);
+
 class ComputePipeline {
 public:
     ComputePipeline() = default;

@@ -141,29 +141,30 @@ VkFormatFeatureFlags Device::optimalFeatures(VkFormat format) const
     return properties.optimalTilingFeatures;
 }
 
+/// Fills a structure of properties that is chained.
+template<typename Properties> Properties Device::chained(Properties properties) const
+{
+    VkPhysicalDeviceProperties2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &properties};
+    vk.GetPhysicalDeviceProperties2(physical_, &all);
+    return properties;
+}
+
 VkPhysicalDeviceRayTracingPipelinePropertiesKHR Device::rayLimits() const
 {
-    VkPhysicalDeviceRayTracingPipelinePropertiesKHR limits{
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
-    VkPhysicalDeviceProperties2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &limits};
-    vk.GetPhysicalDeviceProperties2(physical_, &all);
-    return limits;
+    return chained(VkPhysicalDeviceRayTracingPipelinePropertiesKHR{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR});
 }
 
 VkPhysicalDeviceAccelerationStructurePropertiesKHR Device::treeLimits() const
 {
-    VkPhysicalDeviceAccelerationStructurePropertiesKHR limits{
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
-    VkPhysicalDeviceProperties2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &limits};
-    vk.GetPhysicalDeviceProperties2(physical_, &all);
-    return limits;
+    return chained(VkPhysicalDeviceAccelerationStructurePropertiesKHR{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR});
 }
 
 std::string Device::driver() const
 {
-    VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
-    VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
-    vk.GetPhysicalDeviceProperties2(physical_, &properties);
+    const auto driver =
+        chained(VkPhysicalDeviceDriverProperties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES});
     return std::string(driver.driverName) + " " + driver.driverInfo;
 }
 

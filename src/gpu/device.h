@@ -93,6 +93,7 @@ private:
     [[nodiscard]] std::vector<VkPhysicalDevice> physicalDevices() const;
     std::string refusalOf(VkPhysicalDevice device, const DeviceOptions& options, Candidate& out) const;
     void pickPhysicalDevice(const DeviceOptions& options);
+    template<typename Properties> Properties chained(Properties properties) const;
     void createDevice(const DeviceOptions& options);
     void use(const Handles& handles);
     void loadInstanceFunctions();

@@ -41,14 +41,10 @@ public:
     /// Whether no source is sampled.
     [[nodiscard]] bool empty() const { return clusters_.empty(); }
     [[nodiscard]] const LightClusters& clusters() const { return clusters_; }
-    /// Guide at a point of a front.
+    /// Guide at a point of a front, and its index or ~0.
+    [[nodiscard]] uint32_t guideNumberAt(const PatchLayout& layout, const SurfacePoint& point) const;
     [[nodiscard]] Guide guideAt(const PatchLayout& layout, const SurfacePoint& point) const;
 
-    /// Index of the guide of a front patch, or ~0.
-    [[nodiscard]] uint32_t guideOf(PatchId patch) const
-    {
-        return patch < guideOfPatch_.size() ? guideOfPatch_[patch] : ~0u;
-    }
     /// A cluster of a list, with the probability that it is chosen.
     struct Entry {
         uint32_t cluster = 0;

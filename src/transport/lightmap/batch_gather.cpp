@@ -47,7 +47,6 @@ void BatchGather::prepare(Batch& batch) const
     batch.texels.resize(count);
     batch.points.resize(count * kMaxTexelPoints);
     batch.firstOfTexel.assign(count + 1, 0);
-    const PatchLayout& layout = cache_.layout();
     parallelFor(count, 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const uint32_t texel = batch.requests[i].texel;
@@ -61,10 +60,7 @@ void BatchGather::prepare(Batch& batch) const
                 const GatherGroup::Origin& origin = group.origin(0, p);
                 batch.points[to.firstPoint + uint32_t(p)] = {origin.position, origin.normal, origin.geometricNormal};
             }
-            const SurfacePoint& first = group.point(0, 0);
-            FaceId face;
-            if (guides_.empty() || !layout.faceOf(first.triangle, false, face) || !layout.hasPatches(face)) continue;
-            to.guide = guides_.guideOf(layout.patchAt(face, first.barycentric));
+            to.guide = guides_.guideNumberAt(cache_.layout(), group.point(0, 0));
             if (to.guide != ~0u) to.sources = uint32_t(sourceSamplesOf(guides_.guides()[to.guide]));
         }
     });

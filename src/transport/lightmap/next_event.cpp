@@ -8,7 +8,6 @@ namespace {
 
 constexpr uint32_t kEmitterSeed = 0x5eed0006u;
 constexpr uint32_t kRouletteSeed = 0x5eed0007u;
-constexpr uint32_t kSourceSeed = 0x5eed0008u;
 
 } // namespace
 

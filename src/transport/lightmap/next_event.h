@@ -9,6 +9,9 @@
 
 namespace halflight {
 
+/// Of the samples of secondary sources, combined with the bake's seed.
+inline constexpr uint32_t kSourceSeed = 0x5eed0008u;
+
 /// Samples of a guide's sources in a block: in proportion to the standard deviation that the rays would have due to
 /// them (Neyman allocation), in powers of two from a quarter of the block on.
 int sourceSamplesOf(const Guide& guide);
