@@ -22,7 +22,7 @@ constexpr std::size_t kAtOnce = 1 << 17;
 /// this share over a cell, it may be off by 10 % in the middle.
 constexpr float kSteep = (1.0f - kDisagrees) * (1.0f - kDisagrees);
 
-/// Error of interpolated light, over the larger of both, from which on a steep cell is halved.
+/// Error of interpolated light, over the larger of both, from which on a steep cell in a room is halved.
 constexpr float kOff = 0.15f;
 /// Shortest sides of cells that are halved where light changes, over the smallest room in them. Objects that move in a
 /// room average finer changes.
@@ -270,12 +270,19 @@ Status RoomSearch::findOutside(std::vector<uint32_t> places, float dark, const P
     return {};
 }
 
-/// In the open it is kFinestMeters.
-float RoomSearch::finestOf(const RoomCell& cell) const
+/// The smallest in a cell, in metres; kInfinity in the open.
+float RoomSearch::roomIn(const RoomCell& cell) const
 {
     float room = kInfinity;
     for (const uint32_t i : cell.places)
         if (known_[i] != kInside) room = std::min(room, places_[i].roomMeters);
+    return room;
+}
+
+/// Sides to which cells are halved for light alone.
+float RoomSearch::finestOf(const RoomCell& cell) const
+{
+    const float room = roomIn(cell);
     return room < kInfinity ? std::max(kFinestMeters, kRoomShare * room) : kFinestMeters;
 }
 
@@ -288,8 +295,9 @@ float RoomSearch::beyondMeters(const ProbeTree::Cell& cell, uint32_t i) const
     return std::max({off.x, off.y, off.z});
 }
 
-/// Cells whose corners see a place in very different light: halved where their interpolation is wrong there. No half of
-/// a cell at the rim of the grid has corners at places beyond it; one of these gets a probe.
+/// Cells whose corners see a place in very different light: halved in the open, where one place says little of the
+/// others; in a room, where their interpolation is wrong at that place. No half of a cell at the rim of the grid has
+/// corners at places beyond it; one of these gets a probe.
 Status RoomSearch::checkSteep(std::span<const RoomCell> cells, std::span<const Sight> sights, float dark,
                               std::vector<Verdict>& verdicts, const Progress& progress) const
 {
@@ -300,6 +308,8 @@ Status RoomSearch::checkSteep(std::span<const RoomCell> cells, std::span<const S
         const float beyond = beyondMeters(cells[i].cell, *sights[i].steepest);
         if (beyond > 0.0f) verdicts[i].unseen = sights[i].steepest;
         if (!tree_.canHalve(cells[i].cell, std::max(finestOf(cells[i]), beyond))) continue;
+        verdicts[i].halve = roomIn(cells[i]) == kInfinity;
+        if (verdicts[i].halve) continue;
         steep.push_back(i);
         places.push_back(*sights[i].steepest);
     }

@@ -53,8 +53,8 @@ public:
         std::optional<uint32_t> unseen; ///< a place that no corner sees, or that is beyond all and lit differently
     };
     /// Of each cell. A cell is to be halved
-    /// - if no corner or a single one sees some place in it, or light differs between the corners that see it, and is
-    ///   not what they interpolate;
+    /// - if no corner or a single one sees some place in it, or light differs between the corners that see it, and in
+    ///   rooms is not what they interpolate;
     /// - if it is longer than twice the room around some place, or
     /// - surfaces hide places from some corners, and light differs between the corners, or between them and the place
     ///   that most of them do not see; both not for cells that are shorter than four times kFinestMeters.
@@ -79,6 +79,7 @@ private:
                                                      float dark) const;
     Status findOutside(std::vector<uint32_t> places, float dark, const Progress& progress);
     [[nodiscard]] Result<std::vector<uint8_t>> clearOf(std::span<const uint32_t> places) const;
+    [[nodiscard]] float roomIn(const RoomCell& cell) const;
     [[nodiscard]] float finestOf(const RoomCell& cell) const;
     [[nodiscard]] float beyondMeters(const ProbeTree::Cell& cell, uint32_t i) const;
     Status checkSteep(std::span<const RoomCell> cells, std::span<const Sight> sights, float dark,

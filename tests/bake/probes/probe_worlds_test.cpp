@@ -257,7 +257,7 @@ Scene hall()
 TEST(ProbeWorldsS14, DarknessAroundARoomNeedsNoProbes)
 {
     const BakedWorld baked(hall());
-    EXPECT_LT(baked.baked.probes.probes.size(), 10000u);
+    EXPECT_LT(baked.baked.probes.probes.size(), 12000u);
     EXPECT_GT(baked.checkedAt.size(), 50u);
     const auto isBehindWall = [](vec3 p) { return p.x < -6.0f * p.y / 550.0f; };
     for (const vec3 place : baked.checkedAt) EXPECT_FALSE(isBehindWall(place)) << place.x << ' ' << place.y;
