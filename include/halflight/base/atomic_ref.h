@@ -29,6 +29,10 @@ public:
     {
         return __atomic_compare_exchange_n(object_, &expected, value, true, __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST);
     }
+    T fetch_add(T value, std::memory_order = std::memory_order_seq_cst) const
+    {
+        return __atomic_fetch_add(object_, value, __ATOMIC_SEQ_CST);
+    }
 
 private:
     T* object_;

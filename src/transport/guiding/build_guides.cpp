@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <tuple>
 
@@ -60,38 +61,40 @@ std::vector<PatchLight> placePatches(const Radiosity& radiosity, const TexelMap&
     return lights;
 }
 
-std::vector<PatchLight> findPatchLights(const Radiosity& radiosity, const TexelMap& map, const BakeGeometry& geometry)
+/// Luminance of a patch; of an occluded one, the mean of its elements.
+float luminanceOf(const RadianceCache& cache, PatchId patch)
+{
+    const PatchLayout& layout = cache.layout();
+    if (layout.elements[patch].split == 0 || cache.patches()[patch].minDistance < kInfinity)
+        return luminance(cache.patches()[patch].radiance);
+    const PatchId first = layout.elements[patch].first;
+    float sum = 0.0f;
+    float count = 0.0f;
+    for (PatchId e = first; e < first + layout.elementCount(patch); ++e) {
+        if (!(cache.patches()[e].minDistance < kInfinity)) continue;
+        sum += luminance(cache.patches()[e].radiance);
+        ++count;
+    }
+    return count > 0.0f ? sum / count : 0.0f;
+}
+
+std::vector<PatchLight> findPatchLights(const Radiosity& radiosity, const PatchObservations& observations,
+                                        const TexelMap& map, const BakeGeometry& geometry)
 {
     const RadianceCache& cache = radiosity.solution.cache;
-    const PatchLayout& layout = cache.layout();
     std::vector<PatchLight> lights = placePatches(radiosity, map, geometry);
-    for (std::size_t i = 0; i < lights.size(); ++i) {
-        lights[i].radiance = luminance(cache.patches()[i].radiance);
-        if (layout.elements[i].split == 0 || cache.patches()[i].minDistance < kInfinity) continue;
-        // The radiance of an occluded patch is the mean of its elements.
-        const PatchId first = layout.elements[i].first;
-        float sum = 0.0f;
-        float count = 0.0f;
-        for (PatchId e = first; e < first + layout.elementCount(PatchId(i)); ++e) {
-            if (!(cache.patches()[e].minDistance < kInfinity)) continue;
-            sum += luminance(cache.patches()[e].radiance);
-            ++count;
-        }
-        lights[i].radiance = count > 0.0f ? sum / count : 0.0f;
-    }
-    const PatchObservations observations(radiosity);
-    std::vector<float> gathered(layout.chartPatches);
-    observations.forSamples([&](PatchId patch, const PatchSamples& s, std::span<const PatchId> links) {
-        lights[patch].rays += float(s.rayCount);
-        for (const PatchId target : links) {
-            if (target == kNoPatch) continue;
-            gathered[patch] += luminance(cache.patches()[observations.patchOf(target)].radiance);
-        }
+    forEachIndex(lights.size(), [&](std::size_t i) { lights[i].radiance = luminanceOf(cache, PatchId(i)); });
+    forEachIndex(observations.frontPatches(), [&](std::size_t patch) {
+        PatchLight& light = lights[patch];
+        float gathered = 0.0f;
+        observations.forSamples(PatchId(patch), [&](const PatchSamples& s, std::span<const PatchId> links) {
+            light.rays += float(s.rayCount);
+            for (const PatchId target : links) {
+                if (target != kNoPatch) gathered += luminance(cache.patches()[observations.patchOf(target)].radiance);
+            }
+        });
+        light.illuminance = radiosity.solution.illuminance[patch] + kPi * gathered / std::max(light.rays, 1.0f);
     });
-    for (PatchId patch = 0; patch < layout.chartPatches; ++patch) {
-        lights[patch].illuminance =
-            radiosity.solution.illuminance[patch] + kPi * gathered[patch] / std::max(lights[patch].rays, 1.0f);
-    }
     return lights;
 }
 
@@ -184,11 +187,20 @@ private:
             PatchId patch;
         };
         std::vector<Hit> hits;
-        observations.forRays([&](PatchId receiver, PatchId patch) {
-            const uint32_t region = guides_.guideOfPatch_[receiver];
-            if (region == ~0u || patches_[patch].axis == PatchLight::kNoAxis) return;
-            if (isSecondarySource(receivedFrom(patch, region).x, grid_.regions[region].illuminance()))
-                hits.push_back({region, patch});
+        std::mutex mutex;
+        parallelFor(observations.frontPatches(), 4096, [&](std::size_t begin, std::size_t end) {
+            std::vector<Hit> some;
+            for (std::size_t receiver = begin; receiver < end; ++receiver) {
+                const uint32_t region = guides_.guideOfPatch_[receiver];
+                if (region == ~0u) continue;
+                observations.forRays(PatchId(receiver), [&](PatchId patch) {
+                    if (patches_[patch].axis == PatchLight::kNoAxis) return;
+                    if (isSecondarySource(receivedFrom(patch, region).x, grid_.regions[region].illuminance()))
+                        some.push_back({region, patch});
+                });
+            }
+            const std::scoped_lock lock(mutex);
+            hits.insert(hits.end(), some.begin(), some.end());
         });
         parallelSort(hits, [](const Hit& a, const Hit& b) {
             return a.region != b.region ? a.region < b.region : a.patch < b.patch;
@@ -373,10 +385,11 @@ private:
 Guides buildGuides(const Radiosity& radiosity, const TexelMap& map, const RayTracer& tracer)
 {
     const PatchLayout& layout = radiosity.solution.cache.layout();
-    std::vector<PatchLight> patches = findPatchLights(radiosity, map, tracer.geometry());
     if (!(layout.texelMeters > 0.0f)) return {};
-    const PatchComponents components = findComponents(radiosity, patches);
-    return GuideBuilder(patches, components, layout.texelMeters).build(PatchObservations(radiosity), layout, tracer);
+    const PatchObservations observations(radiosity);
+    std::vector<PatchLight> patches = findPatchLights(radiosity, observations, map, tracer.geometry());
+    const PatchComponents components = findComponents(radiosity, observations, patches);
+    return GuideBuilder(patches, components, layout.texelMeters).build(observations, layout, tracer);
 }
 
 } // namespace halflight

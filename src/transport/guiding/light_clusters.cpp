@@ -2,7 +2,9 @@
 
 #include "transport/guiding/receiver_grid.h"
 
+#include "halflight/base/atomic_ref.h"
 #include "halflight/base/memory.h"
+#include "halflight/base/parallel.h"
 #include "halflight/base/polygon.h"
 
 #include <algorithm>
@@ -18,6 +20,7 @@ constexpr float kManyOnce = 0.2f;
 constexpr float kAsBright = 0.5f;
 /// Most source triangles, of 92 bytes each: 96 MB.
 constexpr std::size_t kMostTriangles = std::size_t(1) << 20;
+constexpr std::size_t kTrianglesAtOnce = 256; // that a thread takes, of those that rays can hit
 
 /// Calls body(patch, x, y) for each front patch that the bounds of a triangle overlap.
 template<typename Body> void forPatches(const PatchLayout::Surface& s, const Body& body)
@@ -99,17 +102,21 @@ void LightClusters::finish(const PatchLayout& layout, const RayTracer& tracer, s
         if (m.cluster != ~0u && useOfCluster[m.cluster] <= 0.0f) m.cluster = ~0u;
     }
     std::vector<uint32_t> counts(clusters_.size());
-    forTriangles(layout, tracer, [&](const SourceTriangle& t) { ++counts[clusterOf(t.patch)]; });
+    parallelFor(tracer.hitTriangleCount(), kTrianglesAtOnce, [&](std::size_t begin, std::size_t end) {
+        forTriangles(layout, tracer, uint32_t(begin), uint32_t(end), [&](const SourceTriangle& t) {
+            AtomicRef<uint32_t>(counts[clusterOf(t.patch)]).fetch_add(1, std::memory_order_relaxed);
+        });
+    });
     remove(useOfCluster, counts);
     addTriangles(layout, tracer, patches);
 }
 
-/// Calls body(triangle) for each part of a triangle that lies in a member patch.
-template<typename Body>
-void LightClusters::forTriangles(const PatchLayout& layout, const RayTracer& tracer, const Body& body) const
+/// Calls body(triangle) for each part of a triangle that lies in a member patch, of hit indices `begin` to `end`.
+template<typename Body> void LightClusters::forTriangles(const PatchLayout& layout, const RayTracer& tracer,
+                                                         uint32_t begin, uint32_t end, const Body& body) const
 {
     const BakeGeometry& geometry = tracer.geometry();
-    for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
+    for (uint32_t index = begin; index < end; ++index) {
         const FaceId front{index, 0};
         if (!layout.hasPatches(front)) continue;
         const uint32_t triangle = tracer.triangleAt(index);
@@ -167,27 +174,44 @@ void LightClusters::remove(std::span<const float> useOfCluster, std::span<const 
 void LightClusters::addTriangles(const PatchLayout& layout, const RayTracer& tracer,
                                  std::span<const PatchLight> patches)
 {
-    std::vector<uint32_t> found(clusters_.size());
-    forTriangles(layout, tracer, [&](const SourceTriangle& t) {
-        const uint32_t cluster = clusterOf(t.patch);
-        triangles_[clusters_[cluster].firstTriangle + found[cluster]++] = t;
+    const std::size_t hits = tracer.hitTriangleCount();
+    std::vector<std::vector<SourceTriangle>> lists((hits + kTrianglesAtOnce - 1) / kTrianglesAtOnce);
+    parallelFor(lists.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            const std::size_t first = l * kTrianglesAtOnce;
+            forTriangles(layout, tracer, uint32_t(first), uint32_t(std::min(first + kTrianglesAtOnce, hits)),
+                         [&](const SourceTriangle& t) { lists[l].push_back(t); });
+        }
     });
-    bins_.resize(triangles_.size());
-    for (const Cluster& cluster : clusters_) {
-        const auto triangles = std::span(triangles_).subspan(cluster.firstTriangle, cluster.triangleCount);
-        std::vector<double> powers(triangles.size());
-        double power = 0.0;
-        for (std::size_t i = 0; i < triangles.size(); ++i) {
-            powers[i] = double(triangles[i].area()) * double(patches[triangles[i].patch].radiance);
-            power += powers[i];
+    std::vector<uint32_t> found(clusters_.size());
+    for (const std::vector<SourceTriangle>& list : lists) {
+        for (const SourceTriangle& t : list) {
+            const uint32_t cluster = clusterOf(t.patch);
+            triangles_[clusters_[cluster].firstTriangle + found[cluster]++] = t;
         }
-        for (std::size_t i = 0; i < triangles.size(); ++i) {
-            powers[i] /= power;
-            const float radiance = patches[triangles[i].patch].radiance;
-            triangles[i].pdfArea = members_[triangles[i].patch].pdfArea = float(double(radiance) / power);
-        }
-        fillAliasTable(powers, std::span(bins_).subspan(cluster.firstTriangle, cluster.triangleCount));
     }
+    bins_.resize(triangles_.size());
+    parallelFor(clusters_.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c) setDensities(clusters_[c], patches);
+    });
+}
+
+/// Densities and bins of a cluster's triangles, in proportion to area and radiance.
+void LightClusters::setDensities(const Cluster& cluster, std::span<const PatchLight> patches)
+{
+    const auto triangles = std::span(triangles_).subspan(cluster.firstTriangle, cluster.triangleCount);
+    std::vector<double> powers(triangles.size());
+    double power = 0.0;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        powers[i] = double(triangles[i].area()) * double(patches[triangles[i].patch].radiance);
+        power += powers[i];
+    }
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        powers[i] /= power;
+        const float radiance = patches[triangles[i].patch].radiance;
+        triangles[i].pdfArea = members_[triangles[i].patch].pdfArea = float(double(radiance) / power);
+    }
+    fillAliasTable(powers, std::span(bins_).subspan(cluster.firstTriangle, cluster.triangleCount));
 }
 
 } // namespace halflight

@@ -96,10 +96,11 @@ public:
     }
 
 private:
-    template<typename Body>
-    void forTriangles(const PatchLayout& layout, const RayTracer& tracer, const Body& body) const;
+    template<typename Body> void forTriangles(const PatchLayout& layout, const RayTracer& tracer, uint32_t begin,
+                                              uint32_t end, const Body& body) const;
     void remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts);
     void addTriangles(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches);
+    void setDensities(const Cluster& cluster, std::span<const PatchLight> patches);
 
     std::vector<Cluster> clusters_;
     std::vector<SourceTriangle> triangles_;

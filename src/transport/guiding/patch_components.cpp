@@ -1,5 +1,7 @@
 #include "transport/guiding/patch_components.h"
 
+#include "halflight/base/parallel.h"
+
 #include <algorithm>
 
 namespace halflight {
@@ -24,33 +26,37 @@ void componentsOf(const RadianceCache& cache, PatchId patch, std::span<float> ou
 
 } // namespace
 
-PatchComponents findComponents(const Radiosity& radiosity, std::vector<PatchLight>& lights)
+PatchComponents findComponents(const Radiosity& radiosity, const PatchObservations& observations,
+                               std::vector<PatchLight>& lights)
 {
     const RadianceCache& cache = radiosity.solution.cache;
     PatchComponents found{cache.componentCount(), {}, radiosity.solution.ofComponents};
     if (found.count == 0) return found;
     found.radiance.resize(lights.size() * found.count);
+    const auto radianceOf = [&](std::size_t i) {
+        return std::span(found.radiance).subspan(i * found.count, found.count);
+    };
+    forEachIndex(lights.size(), [&](std::size_t i) { componentsOf(cache, PatchId(i), radianceOf(i)); });
     std::vector<double> means(found.count);
     for (std::size_t i = 0; i < lights.size(); ++i) {
-        componentsOf(cache, PatchId(i), std::span(found.radiance).subspan(i * found.count, found.count));
-        for (std::size_t c = 0; c < found.count; ++c)
-            means[c] += double(found.radiance[i * found.count + c]) / double(lights.size());
+        for (std::size_t c = 0; c < found.count; ++c) means[c] += double(radianceOf(i)[c]) / double(lights.size());
     }
-    const PatchObservations observations(radiosity);
-    observations.forSamples([&](PatchId patch, const PatchSamples&, std::span<const PatchId> links) {
+    forEachIndex(observations.frontPatches(), [&](std::size_t patch) {
         const float share = kPi / std::max(lights[patch].rays, 1.0f);
-        for (const PatchId target : links) {
-            if (target == kNoPatch) continue;
-            const auto light = cache.componentsOf(cache.patches()[observations.patchOf(target)]);
-            for (std::size_t c = 0; c < found.count; ++c)
-                found.illuminance[patch * found.count + c] += share * luminance(light[c].radiance);
-        }
+        observations.forSamples(PatchId(patch), [&](const PatchSamples&, std::span<const PatchId> links) {
+            for (const PatchId target : links) {
+                if (target == kNoPatch) continue;
+                const auto light = cache.componentsOf(cache.patches()[observations.patchOf(target)]);
+                for (std::size_t c = 0; c < found.count; ++c)
+                    found.illuminance[patch * found.count + c] += share * luminance(light[c].radiance);
+            }
+        });
     });
-    for (std::size_t i = 0; i < lights.size(); ++i) {
+    forEachIndex(lights.size(), [&](std::size_t i) {
         lights[i].radiance = 0.0f;
         for (std::size_t c = 0; c < found.count; ++c)
-            if (means[c] > 0.0) lights[i].radiance += found.radiance[i * found.count + c] / float(means[c]);
-    }
+            if (means[c] > 0.0) lights[i].radiance += radianceOf(i)[c] / float(means[c]);
+    });
     return found;
 }
 

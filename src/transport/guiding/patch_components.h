@@ -3,6 +3,7 @@
 
 #include "transport/guiding/patch_light.h"
 #include "transport/radiosity/build.h"
+#include "transport/radiosity/factor_rows.h"
 
 #include <span>
 #include <vector>
@@ -13,23 +14,26 @@ namespace halflight {
 class PatchObservations {
 public:
     explicit PatchObservations(const Radiosity& radiosity)
-        : solution_(radiosity.solution), chartPatches_(radiosity.solution.cache.layout().chartPatches)
+        : solution_(radiosity.solution), chartPatches_(radiosity.solution.cache.layout().chartPatches),
+          rows_(solution_.factors, chartPatches_,
+                [&](PatchId unknown) { return std::size_t(unknown != kNoPatch ? patchOf(unknown) : kNoPatch); })
     {}
-    /// Calls body(receiving front patch, samples, links) for samples of front patches. Links are unknowns.
-    template<typename Body> void forSamples(const Body& body) const
+    [[nodiscard]] PatchId frontPatches() const { return chartPatches_; }
+    /// Calls body(samples, links) for samples of a front patch. Links are unknowns.
+    template<typename Body> void forSamples(PatchId front, const Body& body) const
     {
-        for (const FormFactorRange& range : solution_.factors) {
-            FormFactorRange::forSamples(range, [&](const PatchSamples& s, std::span<const PatchId> links) {
-                if (s.patch != kNoPatch && patchOf(s.patch) < chartPatches_) body(patchOf(s.patch), s, links);
-            });
+        for (const FactorRows::Term& term : rows_.of(front)) {
+            if (term.isLate()) continue;
+            const FormFactorRange& range = solution_.factors[term.range];
+            body(range.samples[term.index], std::span(range.links).subspan(term.firstLink, term.linkCount));
         }
     }
-    /// Calls body(receiver, patch) for each ray from a front patch to a chart patch.
-    template<typename Body> void forRays(const Body& body) const
+    /// Calls body(patch) for each ray from a front patch to a chart patch.
+    template<typename Body> void forRays(PatchId front, const Body& body) const
     {
-        forSamples([&](PatchId receiver, const PatchSamples&, std::span<const PatchId> links) {
+        forSamples(front, [&](const PatchSamples&, std::span<const PatchId> links) {
             for (const PatchId target : links) {
-                if (target != kNoPatch && patchOf(target) < 2 * chartPatches_) body(receiver, patchOf(target));
+                if (target != kNoPatch && patchOf(target) < 2 * chartPatches_) body(patchOf(target));
             }
         });
     }
@@ -38,6 +42,7 @@ public:
 private:
     const RadiositySolution& solution_;
     uint32_t chartPatches_;
+    FactorRows rows_; ///< by front patch
 };
 
 /// Light of patches by component. A patch is a source where it is one beside the illuminance of some component.
@@ -54,6 +59,7 @@ struct PatchComponents {
 
 /// Sets the light of patches to the sum over components of their light over its mean, so that samples within a cluster
 /// serve all. Nothing where light is estimated as one.
-PatchComponents findComponents(const Radiosity& radiosity, std::vector<PatchLight>& lights);
+PatchComponents findComponents(const Radiosity& radiosity, const PatchObservations& observations,
+                               std::vector<PatchLight>& lights);
 
 } // namespace halflight

@@ -2,6 +2,7 @@
 
 #include "transport/radiosity/split_patches.h"
 
+#include "halflight/base/atomic_ref.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
@@ -167,11 +168,24 @@ private:
 
     void markHits()
     {
-        for (FormFactorRange& range : factors_) {
-            for (const PatchId patch : range.links) patches_.state[patch].hit = true;
-            for (const PatchId patch : range.hitNear) patches_.state[patch].hitNear = true;
-            release(range.hitNear);
-        }
+        // Bytes, as threads may not write the bits of one byte.
+        std::vector<uint8_t> hit(patches_.state.size());
+        std::vector<uint8_t> hitNear(patches_.state.size());
+        const auto mark = [](std::span<const PatchId> patches, std::vector<uint8_t>& marks) {
+            for (const PatchId patch : patches) AtomicRef<uint8_t>(marks[patch]).store(1, std::memory_order_relaxed);
+        };
+        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (FormFactorRange& range : std::span(factors_).subspan(begin, end - begin)) {
+                mark(range.links, hit);
+                mark(range.hitNear, hitNear);
+                release(range.hitNear);
+            }
+        });
+        forEachIndex(hit.size(), [&](std::size_t i) {
+            PatchState& state = patches_.state[i];
+            state.hit = state.hit || hit[i] != 0;
+            state.hitNear = state.hitNear || hitNear[i] != 0;
+        });
     }
 
     const RadiosityInput& input_;

@@ -3,6 +3,8 @@
 
 #include "transport/radiosity/patch_layout.h"
 
+#include "halflight/base/parallel.h"
+
 #include <unordered_map>
 
 namespace halflight {
@@ -81,17 +83,14 @@ struct Patches {
     template<typename Predicate>
     [[nodiscard]] std::vector<uint32_t> texelsIn(const TexelMap& map, PatchId firstPatch, const Predicate& wanted) const
     {
-        std::vector<uint32_t> texels;
-        for (std::size_t i = 0; i < map.texels.size(); ++i) {
+        return indicesWhere(map.texels.size(), [&](std::size_t i) {
             const Texel& texel = map.texels[i];
             for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
                 const PatchId patch = charts.patchOf(texel, map.fragments[texel.firstFragment + f].triangle);
-                if (patch == kNoPatch || !wanted(state[firstPatch + patch])) continue;
-                texels.push_back(uint32_t(i));
-                break;
+                if (patch != kNoPatch && wanted(state[firstPatch + patch])) return true;
             }
-        }
-        return texels;
+            return false;
+        });
     }
     /// Splits the chart patches whose state fulfils a predicate. Elements are half a texel wide in patches of one texel
     /// and in occluded patches of four texels, else a texel.

@@ -1,5 +1,6 @@
 #include "transport/radiosity/solve.h"
 
+#include "transport/radiosity/factor_rows.h"
 #include "transport/radiosity/unknown.h"
 
 #include "halflight/base/memory.h"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
 
 namespace halflight {
@@ -25,8 +25,9 @@ public:
     RadiositySolution solve()
     {
         numberUnknowns();
+        numberLinks();
+        rows_ = FactorRows(factors_, unknownCount_, [](PatchId unknown) { return std::size_t(unknown); });
         sumSamples();
-        sortTerms();
         iterate();
         RadiositySolution solution;
         findIlluminance(solution.illuminance);
@@ -50,16 +51,18 @@ private:
     {
         const std::size_t count = patches_.state.size();
         rayCount_.resize(count);
-        std::vector<uint8_t> anyDirect(count);
-        for (const FormFactorRange& range : factors_) {
-            for (const PatchSamples& s : range.samples) {
-                rayCount_[s.patch] += s.rayCount;
-                if (s.directCount > 0) anyDirect[s.patch] = 1;
+        std::vector<uint32_t> directCount(count);
+        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) {
+                for (const PatchSamples& s : factors_[r].samples) {
+                    AtomicRef<uint32_t>(rayCount_[s.patch]).fetch_add(s.rayCount, std::memory_order_relaxed);
+                    AtomicRef<uint32_t>(directCount[s.patch]).fetch_add(s.directCount, std::memory_order_relaxed);
+                }
             }
-        }
-        for (std::size_t i = 0; i < count; ++i) {
-            if (anyDirect[i] == 0 || patches_.state[i].occluded) rayCount_[i] = 0;
-        }
+        });
+        forEachIndex(count, [&](std::size_t i) {
+            if (directCount[i] == 0 || patches_.state[i].occluded) rayCount_[i] = 0;
+        });
     }
 
     void numberUnknowns()
@@ -70,57 +73,75 @@ private:
         }
     }
 
-    /// Sums the samples of each unknown, and replaces patches by unknowns in the form factors.
+    /// Replaces patches by unknowns in the form factors. Links to occluded patches are left out.
+    void numberLinks()
+    {
+        const auto unknownAt = [&](PatchId patch) {
+            return patches_.state[patch].occluded ? kNoPatch : unknown_[patch];
+        };
+        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) {
+                for (PatchId& target : factors_[r].links) target = unknownAt(target);
+                for (PatchSamples& s : factors_[r].samples) s.patch = unknown_[s.patch];
+                for (FormFactorRange::LateRadiance& late : factors_[r].late) late.patch = unknown_[late.patch];
+                factors_[r].components.resize(factors_[r].samples.size() * std::size_t(components_));
+            }
+        });
+    }
+
+    /// Links of a sample.
+    [[nodiscard]] std::span<const PatchId> linksOf(const FactorRows::Term& term) const
+    {
+        return std::span(factors_[term.range].links).subspan(term.firstLink, term.linkCount);
+    }
+
+    /// Sums the samples of each unknown.
     void sumSamples()
     {
-        unknowns_.resize(unknownCount_);
-        std::vector<std::vector<uint32_t>> lostOf(factors_.size()); // by range and sample
-        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t r = begin; r < end; ++r) numberLinks(factors_[r], lostOf[r]);
-        });
-        for (std::size_t r = 0; r < factors_.size(); ++r) {
-            FormFactorRange& range = factors_[r];
-            for (std::size_t i = 0; i < range.samples.size(); ++i) {
-                const PatchSamples& s = range.samples[i];
-                if (s.patch == kNoPatch) continue;
-                const uint32_t lost = lostOf[r][i];
-                Unknown& u = unknowns_[s.patch];
+        unknowns_ = largeVector<Unknown>(unknownCount_);
+        forEachIndex(unknownCount_, [&](std::size_t i) {
+            Unknown& u = unknowns_[i];
+            for (const FactorRows::Term& term : rows_.of(i)) {
+                if (term.isLate()) continue;
+                const PatchSamples& s = factors_[term.range].samples[term.index];
+                const std::span<const PatchId> links = linksOf(term);
+                const auto lost = std::count(links.begin(), links.end(), kNoPatch);
                 u.gathered += kPi * s.gathered;
                 u.direct += s.direct;
                 u.albedo += s.albedo;
                 u.lobes.add(s.lobes);
                 u.directCount += float(s.directCount);
-                u.rays += float(s.rayCount - lost);
+                u.rays += float(s.rayCount - uint32_t(lost));
                 u.minDistance = std::max(u.minDistance, s.minDistance);
             }
-        }
-        for (Unknown& u : unknowns_) {
             u.rays = std::max(u.rays, 1.0f);
             u.gathered /= u.rays;
             u.direct /= u.directCount;
             u.albedo /= u.directCount;
             u.lobes.albedo = glm::min(u.lobes.albedo / u.directCount, 1.0f - u.albedo);
             u.lobes.exitance /= u.directCount;
-        }
+        });
     }
 
     /// Unknowns of a component, with the surfaces and counts of the sum's.
     std::vector<Unknown> unknownsOf(int component, const std::vector<Unknown>& all)
     {
         std::vector<Unknown> unknowns(unknownCount_);
-        for (FormFactorRange& range : factors_) {
-            for (const PatchSamples& samples : range.samples) {
-                if (samples.patch == kNoPatch) continue;
-                const ComponentSamples& s = range.componentsOf(samples, components_)[std::size_t(component)];
-                Unknown& u = unknowns[samples.patch];
+        forEachIndex(unknownCount_, [&](std::size_t i) {
+            Unknown& u = unknowns[i];
+            for (const FactorRows::Term& term : rows_.of(i)) {
+                if (term.isLate()) continue;
+                FormFactorRange& range = factors_[term.range];
+                const ComponentSamples& s =
+                    range.componentsOf(range.samples[term.index], components_)[std::size_t(component)];
                 u.gathered += kPi * s.gathered;
                 u.direct += s.direct;
                 u.lobes.exitance += s.exitance;
                 u.lobes.sampledExitance += s.sampledExitance;
                 u.lobes.sampledMoment += s.sampledMoment;
             }
-        }
-        forEachIndex(unknownCount_, [&](std::size_t i) { unknowns[i].completeFrom(all[i]); });
+            u.completeFrom(all[i]);
+        });
         return unknowns;
     }
 
@@ -171,21 +192,6 @@ private:
             cache.levels[l].resize(levels_[l].size() * cache.count);
             for (std::size_t i = 0; i < levels_[l].size(); ++i) cache.levels[l][i * cache.count + c] = levels_[l][i];
         }
-    }
-
-    /// Replaces the patches of a range by unknowns. `lost`: rays of each sample that hit occluded patches, which are
-    /// left out.
-    void numberLinks(FormFactorRange& range, std::vector<uint32_t>& lost) const
-    {
-        FormFactorRange::forSamples(range, [&](PatchSamples& s, std::span<PatchId> links) {
-            lost.push_back(0);
-            for (PatchId& target : links) {
-                target = patches_.state[target].occluded ? kNoPatch : unknown_[target];
-                if (target == kNoPatch) ++lost.back();
-            }
-            s.patch = unknown_[s.patch];
-        });
-        for (FormFactorRange::LateRadiance& late : range.late) late.patch = unknown_[late.patch];
     }
 
     /// `mayConverge`: sweeps may end early.
@@ -247,63 +253,29 @@ private:
         }
     }
 
-    /// Something that an unknown gathers in each sweep: the links of a sample, or light of `late`.
-    struct Term {
-        uint32_t range = 0; ///< of the form factors
-        uint32_t first = 0; ///< of its links, or an index into FormFactorRange::late
-        uint32_t count = 0; ///< of links, or kLate
-    };
-    static constexpr uint32_t kLate = ~0u;
-
-    /// Calls visit(unknown, term) for all terms, range by range.
-    template<typename Visit> void forTerms(const Visit& visit) const
-    {
-        for (uint32_t r = 0; r < factors_.size(); ++r) {
-            uint32_t link = 0;
-            for (const PatchSamples& s : factors_[r].samples) {
-                if (s.patch != kNoPatch) visit(s.patch, Term{r, link, s.linkCount});
-                link += s.linkCount;
-            }
-            for (uint32_t i = 0; i < factors_[r].late.size(); ++i) {
-                if (factors_[r].late[i].patch != kNoPatch) visit(factors_[r].late[i].patch, Term{r, i, kLate});
-            }
-        }
-    }
-
-    /// Sorts terms by the unknown that gathers them (compressed rows).
-    void sortTerms()
-    {
-        firstTerm_.assign(unknownCount_ + 1, 0);
-        forTerms([&](uint32_t unknown, const Term&) { ++firstTerm_[unknown + 1]; });
-        std::partial_sum(firstTerm_.begin(), firstTerm_.end(), firstTerm_.begin());
-        terms_.resize(firstTerm_.back());
-        std::vector<uint32_t> next(firstTerm_.begin(), firstTerm_.end() - 1);
-        forTerms([&](uint32_t unknown, const Term& term) { terms_[next[unknown]++] = term; });
-    }
-
-    [[nodiscard]] vec3 gatheredBy(const Term& term, int bounce) const
+    [[nodiscard]] vec3 gatheredBy(const FactorRows::Term& term, int bounce) const
     {
         const FormFactorRange& range = factors_[term.range];
         vec3 sum(0.0f);
-        if (term.count == kLate) {
-            const FormFactorRange::LateRadiance& late = range.late[term.first];
-            const bool ofOther = component_ >= 0 && int(range.lateComponents[term.first]) != component_;
+        if (term.isLate()) {
+            const FormFactorRange::LateRadiance& late = range.late[term.index];
+            const bool ofOther = component_ >= 0 && int(range.lateComponents[term.index]) != component_;
             return late.reflections < uint32_t(bounce) && !ofOther ? late.radiance : sum;
         }
         if (!range.tinted.empty()) return tintedLinks(range, term);
-        for (const PatchId target : std::span(range.links).subspan(term.first, term.count)) {
+        for (const PatchId target : linksOf(term)) {
             if (target != kNoPatch) sum += reflected_[target];
         }
         return sum;
     }
 
     /// The same for links some of which go through glass that has a colour.
-    [[nodiscard]] vec3 tintedLinks(const FormFactorRange& range, const Term& term) const
+    [[nodiscard]] vec3 tintedLinks(const FormFactorRange& range, const FactorRows::Term& term) const
     {
-        auto tinted = std::lower_bound(range.tinted.begin(), range.tinted.end(), term.first,
+        auto tinted = std::lower_bound(range.tinted.begin(), range.tinted.end(), term.firstLink,
                                        [](const auto& t, uint32_t link) { return t.link < link; });
         vec3 sum(0.0f);
-        for (uint32_t link = term.first; link < term.first + term.count; ++link) {
+        for (uint32_t link = term.firstLink; link < term.firstLink + term.linkCount; ++link) {
             const bool isTinted = tinted != range.tinted.end() && tinted->link == link;
             const vec3 tint = isTinted ? (tinted++)->tint : vec3(1.0f);
             if (range.links[link] != kNoPatch) sum += tint * reflected_[range.links[link]];
@@ -315,8 +287,7 @@ private:
     void sweep(int bounce, std::vector<vec3>& gathered) const
     {
         forEachIndex(unknownCount_, [&](std::size_t unknown) {
-            for (uint32_t t = firstTerm_[unknown]; t < firstTerm_[unknown + 1]; ++t)
-                gathered[unknown] += gatheredBy(terms_[t], bounce);
+            for (const FactorRows::Term& term : rows_.of(unknown)) gathered[unknown] += gatheredBy(term, bounce);
         });
     }
 
@@ -330,13 +301,12 @@ private:
 
     void fillPatches()
     {
-        std::vector<PatchRadiance> ofUnknown(unknownCount_);
-        for (std::size_t i = 0; i < unknowns_.size(); ++i)
-            ofUnknown[i] = unknowns_[i].radianceOf(reflected_[i], diffuse_[i]);
+        auto ofUnknown = largeVector<PatchRadiance>(unknownCount_);
+        forEachIndex(unknowns_.size(),
+                     [&](std::size_t i) { ofUnknown[i] = unknowns_[i].radianceOf(reflected_[i], diffuse_[i]); });
         release(reflected_);
         release(diffuse_);
-        release(firstTerm_);
-        release(terms_);
+        rows_ = {};
         release(unknowns_);
         radiance_ = largeVector<PatchRadiance>(rayCount_.size());
         forEachIndex(radiance_.size(), [&](std::size_t i) {
@@ -371,10 +341,9 @@ private:
     std::vector<uint32_t> unknown_;  ///< number of the unknown, or kNoPatch
     uint32_t unknownCount_ = 0;
     std::vector<Unknown> unknowns_;
-    std::vector<vec3> reflected_;     ///< by unknown: exitance / pi
-    std::vector<float> diffuse_;      ///< luminance of the diffuse part of the exitance, lux
-    std::vector<uint32_t> firstTerm_; ///< by unknown; then the number of terms
-    std::vector<Term> terms_;         ///< by unknown, in the order of the ranges
+    std::vector<vec3> reflected_; ///< by unknown: exitance / pi
+    std::vector<float> diffuse_;  ///< luminance of the diffuse part of the exitance, lux
+    FactorRows rows_;             ///< by unknown
     RadianceCache::Levels levels_;
     std::vector<PatchRadiance> radiance_;
 };
