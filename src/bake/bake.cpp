@@ -137,6 +137,7 @@ std::vector<ImageRgba8> maskPages(const CachedIntegrator& cached, const std::vec
     fillInvalid(cached.geometry, cached.map, valid, mask);
     if (distances) std::ranges::copy(maskToDistances(cached.map, mask), channels.begin());
     std::vector<ImageRgba32f> pages = dilate(cached.map, mask, kDilationRings, distances);
+    release(mask);
     stitchSeams(cached.map, seams, maskSeamWeights(seams, pages), pages, !distances);
     return encodeShadowmask(pages);
 }
@@ -244,7 +245,7 @@ public:
         : run_(run), cached_(cached), denoiser_(denoiser), began_(began), lightmap_(cached.prepare()),
           valid_(validTexels(cached.map))
     {
-        pagesReport_.began = run.report().began;
+        pagesReport_.began = masksReport_.began = run.report().began;
     }
 
     Status trace()
@@ -254,7 +255,7 @@ public:
             // What is left for the lightmap is known once the others are done.
             if (Status s = findSeams(); !s) return s;
             if (Status s = masksAndProbes(); !s) return s;
-            pages_.wait();
+            masks_.wait();
             if (Status s = chooseSamples(run_, began_, cached_, *lightmap_); !s) return s;
         }
         if (Status s = lightmapStage(run_, cached_, std::move(lightmap_), estimates_, components_, main_); !s) return s;
@@ -272,6 +273,7 @@ public:
         });
         if (!timed) inIsolation([&] { traced = masksAndProbes(); });
         pages_.wait();
+        masks_.wait();
         if (!traced) return traced;
         if (!made) return made;
         return finish();
@@ -289,14 +291,15 @@ private:
 
     Status masksAndProbes()
     {
-        if (Status s = shadowmaskStage(run_, cached_, valid_, seams_, pagesReport_, pages_); !s) return s;
+        if (Status s = shadowmaskStage(run_, cached_, valid_, seams_, masksReport_, masks_); !s) return s;
         return probeStage(run_, cached_);
     }
 
     Status finish()
     {
         BakeReport& report = run_.report();
-        report.stages.insert(report.stages.end(), pagesReport_.stages.begin(), pagesReport_.stages.end());
+        for (const BakeReport* pages : {&pagesReport_, &masksReport_})
+            report.stages.insert(report.stages.end(), pages->stages.begin(), pages->stages.end());
         std::ranges::stable_sort(report.stages, {}, &StageReport::start);
         if (run_.images != nullptr)
             run_.noteImages(dumpPages(run_.settings, "lightmap", run_.result.irradiance, *run_.images));
@@ -324,7 +327,9 @@ private:
     std::vector<SeamSample> seams_;
     std::optional<MainLight> main_;
     BakeReport pagesReport_; ///< of the background, which must not write to the bake's own
-    Background pages_;       ///< ends before what it works on
+    BakeReport masksReport_;
+    Background pages_; ///< of the lightmap; ends before what it works on
+    Background masks_; ///< pages of mask layers
 };
 
 } // namespace

@@ -55,9 +55,9 @@ std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages)
     std::vector<ImageRgba8> encoded;
     for (const ImageRgba32f& page : pages) {
         ImageRgba8 out(page.width(), page.height());
-        for (std::size_t i = 0; i < page.texelCount(); ++i) {
+        forEachIndex(page.texelCount(), [&](std::size_t i) {
             out.data()[i] = u8vec4(glm::clamp(page.data()[i], 0.0f, 1.0f) * 255.0f + 0.5f);
-        }
+        });
         encoded.push_back(std::move(out));
     }
     return encoded;

@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 
@@ -151,42 +152,61 @@ std::vector<uint8_t> innerEdges(const BakeGeometry& geometry)
     return inner;
 }
 
+/// Adds the edges of a triangle, but for those inside a chart of a shared mesh, and those without a length.
+void addEdges(const BakeGeometry& geometry, const std::vector<uint8_t>& inner, uint32_t triangle,
+              std::vector<Edge>& edges)
+{
+    const BakeGeometry::Part& part = geometry.partOf(triangle);
+    if (part.page < 0) return;
+    const uint32_t stored = part.firstStored + triangle - part.firstTriangle;
+    const bool shared = part.instance != BakeGeometry::kOwn;
+    const uvec3 v = geometry.triangles[stored];
+    for (int e = 0; e < 3; ++e) {
+        if (shared && ((inner[stored] >> e) & 1) != 0) continue;
+        uint32_t a = v[e];
+        uint32_t b = v[(e + 1) % 3];
+        auto bitsA = positionBits(geometry.positionOf(part, a));
+        auto bitsB = positionBits(geometry.positionOf(part, b));
+        if (bitsA == bitsB) continue;
+        if (bitsB < bitsA) {
+            std::swap(a, b);
+            std::swap(bitsA, bitsB);
+        }
+        Edge& edge = edges.emplace_back();
+        std::copy(bitsA.begin(), bitsA.end(), edge.ends.begin());
+        std::copy(bitsB.begin(), bitsB.end(), edge.ends.begin() + 3);
+        edge.from = a;
+        edge.to = b;
+        edge.triangle = triangle;
+        edge.part = uint32_t(&part - geometry.parts.data());
+    }
+}
+
+/// Calls body(first, end, list) for ranges of `count` items on all threads. Returns the lists joined in their order.
+template<typename T, typename Body> std::vector<T> joinedLists(std::size_t count, const Body& body)
+{
+    constexpr std::size_t kAtOnce = 512; // some tens of microseconds or more
+    std::vector<std::vector<T>> lists((count + kAtOnce - 1) / kAtOnce);
+    parallelFor(lists.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) body(l * kAtOnce, std::min(count, (l + 1) * kAtOnce), lists[l]);
+    });
+    std::vector<T> all;
+    for (const std::vector<T>& list : lists) all.insert(all.end(), list.begin(), list.end());
+    return all;
+}
+
 /// Edges, sorted so that edges with equal ends are adjacent: all of them, but for those inside a chart of a shared
 /// mesh. (These are most edges of a scene with many instances.)
 std::vector<Edge> collectEdges(const BakeGeometry& geometry)
 {
     const std::vector<uint8_t> inner = innerEdges(geometry);
-    std::vector<Edge> edges;
-    edges.reserve(3 * geometry.triangles.size());
-    for (std::size_t number = 0; number < geometry.parts.size(); ++number) {
-        const BakeGeometry::Part& part = geometry.parts[number];
-        if (part.page < 0) continue;
-        const bool shared = part.instance != BakeGeometry::kOwn;
-        for (uint32_t i = 0; i < part.triangleCount; ++i) {
-            const uvec3 v = geometry.triangles[part.firstStored + i];
-            for (int e = 0; e < 3; ++e) {
-                if (shared && ((inner[part.firstStored + i] >> e) & 1) != 0) continue;
-                uint32_t a = v[e];
-                uint32_t b = v[(e + 1) % 3];
-                auto bitsA = positionBits(geometry.positionOf(part, a));
-                auto bitsB = positionBits(geometry.positionOf(part, b));
-                if (bitsA == bitsB) continue;
-                if (bitsB < bitsA) {
-                    std::swap(a, b);
-                    std::swap(bitsA, bitsB);
-                }
-                Edge& edge = edges.emplace_back();
-                std::copy(bitsA.begin(), bitsA.end(), edge.ends.begin());
-                std::copy(bitsB.begin(), bitsB.end(), edge.ends.begin() + 3);
-                edge.from = a;
-                edge.to = b;
-                edge.triangle = part.firstTriangle + i;
-                edge.part = uint32_t(number);
-            }
-        }
-    }
-    std::sort(edges.begin(), edges.end(),
-              [](const Edge& a, const Edge& b) { return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle); });
+    auto edges =
+        joinedLists<Edge>(geometry.triangleCount(), [&](std::size_t first, std::size_t end, std::vector<Edge>& list) {
+            for (std::size_t t = first; t < end; ++t) addEdges(geometry, inner, uint32_t(t), list);
+        });
+    parallelSort(edges, [](const Edge& a, const Edge& b) {
+        return std::tie(a.ends, a.triangle, a.from, a.to) < std::tie(b.ends, b.triangle, b.from, b.to);
+    });
     return edges;
 }
 
@@ -302,48 +322,66 @@ void addCommonStretch(const OpenEdge& a, const OpenEdge& b, int pageSize, std::v
     if (isSeam(partA, partB)) addSamples(partA, partB, pageSize, samples);
 }
 
+/// Adds seams between triangles that share an edge.
+void addSharedEdge(const BakeGeometry& geometry, std::span<const Edge> edges, int pageSize,
+                   std::vector<SeamSample>& samples)
+{
+    constexpr std::size_t kMost = 4; // more triangles on one edge have no two sides
+    if (edges.size() < 2 || edges.size() > kMost) return;
+    std::array<EdgeSide, kMost> sides;
+    for (std::size_t i = 0; i < edges.size(); ++i) sides[i] = edges[i].side(geometry);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        for (std::size_t j = i + 1; j < edges.size(); ++j) {
+            if (isSeam(sides[i], sides[j])) addSamples(sides[i], sides[j], pageSize, samples);
+        }
+    }
+}
+
+void addOpenEdge(const BakeGeometry& geometry, const Edge& from, std::vector<OpenEdge>& open)
+{
+    const BakeGeometry::Part& part = geometry.parts[from.part];
+    OpenEdge edge{from.side(geometry), geometry.positionOf(part, from.from), geometry.positionOf(part, from.to), 0};
+    const float texels = glm::distance(edge.side.from, edge.side.to);
+    edge.texelMeters = texels > 0.0f ? glm::distance(edge.a, edge.b) / texels : 0.0f;
+    if (edge.texelMeters > 0.0f) open.push_back(edge);
+}
+
+/// Adds the seams between an open edge and those after it that overlap it.
+void addStretches(const OpenEdges& byPlace, uint32_t edge, int pageSize, std::vector<SeamSample>& samples)
+{
+    const std::size_t first = samples.size();
+    std::size_t count = 0;
+    for (const uint32_t other : byPlace.near(edge)) {
+        const std::size_t before = samples.size();
+        addCommonStretch(byPlace.edges()[edge], byPlace.edges()[other], pageSize, samples);
+        count += samples.size() > before ? 1 : 0;
+    }
+    if (count > kMostPartners) samples.resize(first);
+}
+
 } // namespace
 
 std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
 {
-    std::vector<SeamSample> samples;
     const std::vector<Edge> edges = collectEdges(geometry);
-    std::vector<OpenEdge> open;
-    std::vector<EdgeSide> sides;
-    for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
-        while (end < edges.size() && edges[end].ends == edges[first].ends) ++end;
-        if (end - first > 4) continue; // more than four triangles on one edge have no two sides
-        sides.clear();
-        for (std::size_t i = first; i < end; ++i) sides.push_back(edges[i].side(geometry));
-        if (sides.size() == 1) {
-            const BakeGeometry::Part& part = geometry.parts[edges[first].part];
-            OpenEdge edge{sides[0], geometry.positionOf(part, edges[first].from),
-                          geometry.positionOf(part, edges[first].to), 0};
-            const float texels = glm::distance(edge.side.from, edge.side.to);
-            edge.texelMeters = texels > 0.0f ? glm::distance(edge.a, edge.b) / texels : 0.0f;
-            if (edge.texelMeters > 0.0f) open.push_back(edge);
-            continue;
-        }
-        for (std::size_t i = 0; i < sides.size(); ++i) {
-            for (std::size_t j = i + 1; j < sides.size(); ++j) {
-                if (isSeam(sides[i], sides[j])) addSamples(sides[i], sides[j], pageSize, samples);
-            }
-        }
-    }
-    const OpenEdges byPlace(std::move(open));
-    std::vector<std::vector<SeamSample>> ofEdge(byPlace.edges().size());
-    parallelFor(ofEdge.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            std::size_t count = 0;
-            for (const uint32_t j : byPlace.near(uint32_t(i))) {
-                const std::size_t before = ofEdge[i].size();
-                addCommonStretch(byPlace.edges()[i], byPlace.edges()[j], pageSize, ofEdge[i]);
-                count += ofEdge[i].size() > before ? 1 : 0;
-            }
-            if (count > kMostPartners) ofEdge[i].clear();
-        }
+    const std::vector<uint32_t> firsts =
+        indicesWhere(edges.size(), [&](std::size_t i) { return i == 0 || edges[i].ends != edges[i - 1].ends; });
+    const auto edgesOf = [&](std::size_t group) {
+        const std::size_t end = group + 1 < firsts.size() ? firsts[group + 1] : edges.size();
+        return std::span(edges).subspan(firsts[group], end - firsts[group]);
+    };
+    auto samples = joinedLists<SeamSample>(firsts.size(), [&](std::size_t first, std::size_t end, auto& list) {
+        for (std::size_t g = first; g < end; ++g) addSharedEdge(geometry, edgesOf(g), pageSize, list);
     });
-    for (const std::vector<SeamSample>& found : ofEdge) samples.insert(samples.end(), found.begin(), found.end());
+    const OpenEdges byPlace(joinedLists<OpenEdge>(firsts.size(), [&](std::size_t first, std::size_t end, auto& list) {
+        for (std::size_t g = first; g < end; ++g)
+            if (edgesOf(g).size() == 1) addOpenEdge(geometry, edgesOf(g).front(), list);
+    }));
+    const auto onLines = joinedLists<SeamSample>(
+        byPlace.edges().size(), [&](std::size_t first, std::size_t end, std::vector<SeamSample>& list) {
+            for (std::size_t i = first; i < end; ++i) addStretches(byPlace, uint32_t(i), pageSize, list);
+        });
+    samples.insert(samples.end(), onLines.begin(), onLines.end());
     return samples;
 }
 

@@ -88,7 +88,10 @@ public:
         : seams_(seams), weights_(weights), pages_(pages), size_(pages[0].width()),
           unknownOf_(pages.size() * pages[0].texelCount(), kNoUnknown), covered_(unknownOf_.size(), 0)
     {
-        for (const Texel& t : map.texels) covered_[numberOf(t.page, t.x, t.y, size_)] = 1;
+        forEachIndex(map.texels.size(), [&](std::size_t i) {
+            const Texel& t = map.texels[i];
+            covered_[numberOf(t.page, t.x, t.y, size_)] = 1;
+        });
     }
 
     /// False if the matrix cannot be factored (light that is not finite).
@@ -135,6 +138,17 @@ private:
             if (std::isfinite(solved)) value[c] = std::max(solved, 0.0f);
         }
         return value;
+    }
+    /// Calls body(texel) for the texels up to so many rings around one, and for itself.
+    template<typename Body> void forAround(uint64_t texel, int rings, const Body& body) const
+    {
+        const std::size_t perPage = pages_[0].texelCount();
+        const auto place = int(texel % perPage);
+        const ivec2 center(place % size_, place / size_);
+        for (int y = std::max(center.y - rings, 0); y <= std::min(center.y + rings, size_ - 1); ++y) {
+            for (int x = std::max(center.x - rings, 0); x <= std::min(center.x + rings, size_ - 1); ++x)
+                body(numberOf(texel / perPage, x, y, size_));
+        }
     }
     /// Range of the covered texels in the first ring around a texel that has any, of two.
     Range coveredAround(uint64_t texel, T value);
@@ -222,67 +236,61 @@ template<typename T> bool Stitcher<T>::solvePart(const SeamParts::Part& part, st
 
 template<typename T> typename Stitcher<T>::Range Stitcher<T>::coveredAround(uint64_t texel, T value)
 {
-    const std::size_t perPage = pages_[0].texelCount();
-    const auto place = int(texel % perPage);
-    const ivec2 center(place % size_, place / size_);
     Range range;
     float nearest = kInfinity;
-    for (int ring = 1; ring <= 2 && range.empty(); ++ring) {
-        for (int y = std::max(center.y - ring, 0); y <= std::min(center.y + ring, size_ - 1); ++y) {
-            for (int x = std::max(center.x - ring, 0); x <= std::min(center.x + ring, size_ - 1); ++x) {
-                const uint64_t other = numberOf(texel / perPage, x, y, size_);
-                if (covered_[other] == 0) continue;
-                const T v = valueOf(other);
-                range.least = glm::min(range.least, v);
-                range.most = glm::max(range.most, v);
-                const float distance = glm::dot(v - value, v - value);
-                if (distance >= nearest) continue;
-                nearest = distance;
-                range.nearest = other;
-            }
-        }
+    for (int rings = 1; rings <= 2 && range.empty(); ++rings) {
+        forAround(texel, rings, [&](uint64_t other) {
+            if (covered_[other] == 0) return;
+            const T v = valueOf(other);
+            range.least = glm::min(range.least, v);
+            range.most = glm::max(range.most, v);
+            const float distance = glm::dot(v - value, v - value);
+            if (distance >= nearest) return;
+            nearest = distance;
+            range.nearest = other;
+        });
     }
     return range;
 }
 
 template<typename T> bool Stitcher<T>::tiePadding()
 {
-    std::vector<std::pair<uint32_t, uint64_t>> ties;
-    for (uint32_t u = 0; u < texels_.size(); ++u) {
-        if (covered_[texels_[u]] != 0) continue;
+    constexpr uint64_t kNone = ~uint64_t(0);
+    std::vector<uint64_t> tie(texels_.size(), kNone); // covered texel, by unknown
+    forEachIndex(texels_.size(), [&](std::size_t u) {
+        if (covered_[texels_[u]] != 0) return;
         const T value = valueOf(texels_[u]);
         const Range range = coveredAround(texels_[u], value);
-        if (range.empty()) continue;
-        bool beyond = false;
-        for (int c = 0; c < T::length(); ++c) beyond = beyond || value[c] > range.most[c] || value[c] < range.least[c];
-        if (beyond) ties.emplace_back(u, range.nearest);
+        if (range.empty()) return;
+        for (int c = 0; c < T::length(); ++c)
+            if (value[c] > range.most[c] || value[c] < range.least[c]) tie[u] = range.nearest;
+    });
+    bool any = false;
+    for (std::size_t u = 0; u < tie.size(); ++u) {
+        if (tie[u] == kNone) continue;
+        tied_[u] = unknown(tie[u]);
+        any = true;
     }
-    for (const auto& [u, covered] : ties) tied_[u] = unknown(covered);
-    return !ties.empty();
+    return any;
 }
 
 template<typename T> void Stitcher<T>::write(bool bounded)
 {
     std::vector<T> values(texels_.size());
-    for (std::size_t i = 0; i < texels_.size(); ++i) values[i] = valueOf(texels_[i]);
-    for (std::size_t i = 0; i < texels_.size(); ++i) texelAt(texels_[i]) = values[i];
+    forEachIndex(texels_.size(), [&](std::size_t i) { values[i] = valueOf(texels_[i]); });
+    forEachIndex(texels_.size(), [&](std::size_t i) { texelAt(texels_[i]) = values[i]; });
     for (Eigen::VectorXd& component : solution_) component.resize(0); // the pages hold the values now
     if (!bounded) return;
     // All padding around changed covered texels, also where no seam reads it.
-    const std::size_t perPage = pages_[0].texelCount();
+    std::vector<uint8_t> beside(covered_.size(), 0);
     for (const uint64_t texel : texels_) {
-        if (covered_[texel] == 0) continue;
-        const auto place = int(texel % perPage);
-        const ivec2 center(place % size_, place / size_);
-        for (int y = std::max(center.y - 2, 0); y <= std::min(center.y + 2, size_ - 1); ++y) {
-            for (int x = std::max(center.x - 2, 0); x <= std::min(center.x + 2, size_ - 1); ++x) {
-                const uint64_t other = numberOf(texel / perPage, x, y, size_);
-                if (covered_[other] != 0) continue;
-                const Range range = coveredAround(other, texelAt(other));
-                if (!range.empty()) texelAt(other) = glm::clamp(texelAt(other), range.least, range.most);
-            }
-        }
+        if (covered_[texel] != 0) forAround(texel, 2, [&](uint64_t other) { beside[other] = covered_[other] == 0; });
     }
+    forEachIndex(beside.size(), [&](std::size_t texel) {
+        if (beside[texel] == 0) return;
+        const Range range = coveredAround(texel, texelAt(texel));
+        if (!range.empty()) texelAt(texel) = glm::clamp(texelAt(texel), range.least, range.most);
+    });
 }
 
 } // namespace
@@ -300,11 +308,13 @@ template<typename T> std::pair<T, T> sidesOf(const std::vector<Image<T>>& pages,
 float darkOf(const std::vector<SeamSample>& seams, const std::vector<ImageRgb32f>& pages)
 {
     constexpr double kDark = 1.0e-3; // of the mean: keeps ratios of black texels finite
+    std::vector<float> both(seams.size());
+    forEachIndex(seams.size(), [&](std::size_t i) {
+        const auto [a, b] = sidesOf(pages, seams[i]);
+        both[i] = luminance(a + b);
+    });
     double sum = 0.0;
-    for (const SeamSample& seam : seams) {
-        const auto [a, b] = sidesOf(pages, seam);
-        sum += 0.5 * double(luminance(a + b));
-    }
+    for (const float luminances : both) sum += 0.5 * double(luminances);
     return std::max(float(kDark * sum / double(seams.size())), 1.0e-20f);
 }
 
@@ -325,7 +335,7 @@ std::vector<float> lightSeamWeights(const std::vector<SeamSample>& seams, const 
     std::vector<float> weights(seams.size(), 0.0f);
     if (seams.empty() || light.empty()) return weights;
     const float dark = darkOf(seams, light);
-    for (std::size_t i = 0; i < seams.size(); ++i) {
+    forEachIndex(seams.size(), [&](std::size_t i) {
         const auto [a, b] = sidesOf(light, seams[i]);
         float excess = difference(a, b, dark) - kAlike;
         if (seams[i].bent) {
@@ -335,7 +345,7 @@ std::vector<float> lightSeamWeights(const std::vector<SeamSample>& seams, const 
             excess = ofDirect - kAlike;
         }
         weights[i] = weightOf(excess);
-    }
+    });
     return weights;
 }
 
@@ -343,10 +353,10 @@ std::vector<float> maskSeamWeights(const std::vector<SeamSample>& seams, const s
 {
     std::vector<float> weights(seams.size(), 0.0f);
     if (seams.empty() || masks.empty()) return weights;
-    for (std::size_t i = 0; i < seams.size(); ++i) {
+    forEachIndex(seams.size(), [&](std::size_t i) {
         const auto [a, b] = sidesOf(masks, seams[i]);
         weights[i] = weightOf(difference(a, b) - kAlike);
-    }
+    });
     return weights;
 }
 
