@@ -360,12 +360,10 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     BakeResult result;
     BakeReport& report = result.report;
     FileGroup images;
-    for (Material& material : scene.materials) material.bakedGroup = -1; // of an earlier bake
-    Result<LightGrouping> grouping = groupLights(scene, live == nullptr ? settings.groups : GroupChoice::Off);
+    Result<LightGrouping> grouping =
+        beginGroups(settings, live == nullptr ? settings.groups : GroupChoice::Off, scene, result.baked);
     if (!grouping) return grouping.error();
-    if (Status s = checkGroups(settings, *grouping); !s) return s.error();
     const BakeRun run{settings, progress, result, live, &images, componentsOf(*grouping)};
-    beginGroups(*grouping, scene, result.baked);
     FirstStages firstStages;
     if (Status status = prepareTexels(run, std::move(scene), integratorFactory, CacheUse{}, firstStages); !status)
         return status.error();

@@ -75,8 +75,6 @@ void encodeGroup(const LightPages& pages, BakedGroup& group)
     }
 }
 
-} // namespace
-
 Status checkGroups(const BakeSettings& settings, const LightGrouping& grouping)
 {
     if (grouping.groups.empty()) return {};
@@ -85,9 +83,10 @@ Status checkGroups(const BakeSettings& settings, const LightGrouping& grouping)
     };
     if (settings.mode == MixedLightingMode::Subtractive)
         return wrong("has light groups, which subtractive bakes do not have");
-    if (!settings.cacheDirectory.empty()) return wrong("has light groups, which a cache does not hold yet");
     return {};
 }
+
+} // namespace
 
 Status checkLightGroups(Scene& scene, const BakeSettings& settings)
 {
@@ -111,7 +110,7 @@ Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightma
                        const Progress& progress)
 {
     components = largeVector<IrradianceEstimate>(estimates.size() * std::size_t(cached.settings.components.count));
-    return lightmap.irradianceByComponent({allIndices(estimates.size())}, estimates, components, progress);
+    return cached.irradianceByComponent(lightmap, estimates, components, progress);
 }
 
 Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
@@ -204,11 +203,16 @@ void finishGroups(LightGrouping& grouping, BakedScene& baked)
 
 } // namespace
 
-void beginGroups(LightGrouping& grouping, Scene& scene, BakedScene& baked)
+Result<LightGrouping> beginGroups(const BakeSettings& settings, GroupChoice choice, Scene& scene, BakedScene& baked)
 {
-    grouping.exchange(scene);
-    for (std::size_t g = 0; g < grouping.groups.size(); ++g)
-        baked.groups.push_back({grouping.groups[g].name, grouping.groups[g].weight, grouping.ofSky == int(g)});
+    for (Material& material : scene.materials) material.bakedGroup = -1; // of an earlier bake
+    Result<LightGrouping> grouping = groupLights(scene, choice);
+    if (!grouping) return grouping;
+    if (Status s = checkGroups(settings, *grouping); !s) return s.error();
+    grouping->exchange(scene);
+    for (std::size_t g = 0; g < grouping->groups.size(); ++g)
+        baked.groups.push_back({grouping->groups[g].name, grouping->groups[g].weight, grouping->ofSky == int(g)});
+    return grouping;
 }
 
 Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages)

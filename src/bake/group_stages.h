@@ -12,8 +12,9 @@
 
 namespace halflight {
 
-/// What a bake cannot do with light groups, as an error.
-Status checkGroups(const BakeSettings& settings, const LightGrouping& grouping);
+/// The scene's groups, which are white from then on, noted in the baked scene. Errors: those of groupLights() and
+/// checkLightGroups().
+Result<LightGrouping> beginGroups(const BakeSettings& settings, GroupChoice choice, Scene& scene, BakedScene& baked);
 
 /// For the integrator: group g is component g + 1.
 LightComponents componentsOf(const LightGrouping& grouping);
@@ -38,8 +39,6 @@ void keepComponentsOfProbes(const BakedProbes& probes, BakedScene& baked);
 /// Pages of all light, lux: the rest and the groups by their weights.
 std::vector<ImageRgb32f> composedPages(const BakeResult& result);
 
-/// Makes the scene's groups white, and notes them in the baked scene.
-void beginGroups(LightGrouping& grouping, Scene& scene, BakedScene& baked);
 /// Gives the scene its own light in place of white groups, and an integrator of it.
 Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages);
 

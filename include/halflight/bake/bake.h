@@ -76,7 +76,7 @@ struct BakeSettings {
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
     ProbeLayout probeLayout = ProbeLayout::Refined;
     bool reflectionProbes = true;
-    /// Light groups (spec S33). Bakes with a cache and subtractive bakes have none.
+    /// Light groups (spec S33). Subtractive bakes have none.
     GroupChoice groups = GroupChoice::Authored;
     int threads = 0; ///< 0 = all cores; changes no byte of the result
     uint32_t seed = 1;

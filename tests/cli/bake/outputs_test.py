@@ -92,8 +92,6 @@ class LightGroups(Case):
         self.assert_one_sentence(run("compose", baked, *out, "--group", "sun"), 2, "--group", "lamps=0.5")
         self.assert_one_sentence(run("compose", self.ROOMS, *out), 1, "has no light groups")
         self.assert_one_sentence(run("compose", baked, "-o", self.path("x.png")), 2, ".glb or .gltf")
-        cache = ["--cache", self.path("cache")]
-        self.assert_one_sentence(run("bake", self.ROOMS, *out, *QUICK, *cache), 1, "light groups", "--groups off")
         sidecar = ["--sidecar", self.path("side"), "--groups", "each"]
         self.assert_one_sentence(run("bake", self.ROOMS, *out, *QUICK, *sidecar), 2, "sidecars hold no light groups")
 
