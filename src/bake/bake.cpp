@@ -267,7 +267,8 @@ public:
         Status made;
         Status traced;
         pages_.run([&] {
-            made = grouped ? componentPagesStage(run_, cached_, components_, valid_, seams_, pagesReport_)
+            made = grouped ? componentPagesStage(run_, cached_, components_, valid_, main_ ? &*main_ : nullptr, seams_,
+                                                 pagesReport_)
                            : lightmapPagesStage(run_, cached_, estimates_, valid_, main_, seams_, pagesReport_);
         });
         if (!timed) inIsolation([&] { traced = masksAndProbes(); });
@@ -361,7 +362,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     BakeReport& report = result.report;
     FileGroup images;
     Result<LightGrouping> grouping =
-        beginGroups(settings, live == nullptr ? settings.groups : GroupChoice::Off, scene, result.baked);
+        beginGroups(live == nullptr ? settings.groups : GroupChoice::Off, scene, result.baked);
     if (!grouping) return grouping.error();
     const BakeRun run{settings, progress, result, live, &images, componentsOf(*grouping)};
     FirstStages firstStages;

@@ -23,11 +23,17 @@ struct LightPages {
     std::vector<ImageRgb32f> moments; ///< empty without directions
 };
 
+/// `main`: subtractive's main light where it belongs to the component, else null.
 LightPages pagesOf(const CachedIntegrator& cached, const std::vector<IrradianceEstimate>& estimates,
-                   const std::vector<uint8_t>& valid, const std::vector<SeamSample>& seams, bool directional)
+                   const MainLight* main, const std::vector<uint8_t>& valid, const std::vector<SeamSample>& seams,
+                   bool directional)
 {
     LightPages pages;
     TexelValues values = splitEstimates(estimates);
+    if (main != nullptr) {
+        main->addTo(values.irradiance);
+        main->addTo(values.direct);
+    }
     fillInvalid(cached.geometry, cached.map, valid, values.irradiance);
     fillInvalid(cached.geometry, cached.map, valid, values.direct);
     pages.irradiance = dilate(cached.map, values.irradiance, kDilationRings);
@@ -37,6 +43,7 @@ LightPages pagesOf(const CachedIntegrator& cached, const std::vector<IrradianceE
     if (!directional) return pages;
     std::vector<vec3>& moments = values.irradiance;
     forEachIndex(moments.size(), [&](std::size_t i) { moments[i] = estimates[i].moment; });
+    if (main != nullptr) main->addMomentTo(moments);
     fillInvalid(cached.geometry, cached.map, valid, moments);
     pages.moments = dilate(cached.map, moments, kDilationRings);
     stitchSeams(cached.map, seams, weights, pages.moments);
@@ -75,24 +82,7 @@ void encodeGroup(const LightPages& pages, BakedGroup& group)
     }
 }
 
-Status checkGroups(const BakeSettings& settings, const LightGrouping& grouping)
-{
-    if (grouping.groups.empty()) return {};
-    const auto wrong = [](const std::string& what) {
-        return Error{ErrorCode::InvalidArgument, what + ": give --groups off for a bake without groups", ""};
-    };
-    if (settings.mode == MixedLightingMode::Subtractive)
-        return wrong("has light groups, which subtractive bakes do not have");
-    return {};
-}
-
 } // namespace
-
-Status checkLightGroups(Scene& scene, const BakeSettings& settings)
-{
-    const Result<LightGrouping> grouping = groupLights(scene, settings.groups);
-    return grouping ? checkGroups(settings, *grouping) : Status(grouping.error());
-}
 
 LightComponents componentsOf(const LightGrouping& grouping)
 {
@@ -115,7 +105,7 @@ Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightma
 
 Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
                            std::vector<IrradianceEstimate>& components, const std::vector<uint8_t>& valid,
-                           const std::vector<SeamSample>& seams, BakeReport& report)
+                           const MainLight* main, const std::vector<SeamSample>& seams, BakeReport& report)
 {
     BakedScene& baked = run.baked();
     const bool directional = run.report().quality.directional;
@@ -129,7 +119,12 @@ Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
         if (lit && run.settings.denoiser != Denoiser::Off)
             denoise(cached.geometry, cached.map, seams, own, directional);
         if (run.progress.cancelled()) return cancelledError();
-        LightPages pages = pagesOf(cached, own, valid, seams, directional);
+        if (main != nullptr) {
+            vec3& color = c > 0 ? baked.groups[c - 1].shadowColor : baked.defaultShadowColor;
+            color = chooseShadowColor(*main, splitEstimates(own).irradiance, valid, run.settings.subtractiveMask);
+        }
+        const bool holdsMain = main != nullptr && std::size_t(run.components.ofLight[main->light]) == c;
+        LightPages pages = pagesOf(cached, own, holdsMain ? main : nullptr, valid, seams, directional);
         if (c > 0) {
             blackenDark(pages.irradiance);
             encodeGroup(pages, baked.groups[c - 1]);
@@ -203,12 +198,11 @@ void finishGroups(LightGrouping& grouping, BakedScene& baked)
 
 } // namespace
 
-Result<LightGrouping> beginGroups(const BakeSettings& settings, GroupChoice choice, Scene& scene, BakedScene& baked)
+Result<LightGrouping> beginGroups(GroupChoice choice, Scene& scene, BakedScene& baked)
 {
     for (Material& material : scene.materials) material.bakedGroup = -1; // of an earlier bake
     Result<LightGrouping> grouping = groupLights(scene, choice);
     if (!grouping) return grouping;
-    if (Status s = checkGroups(settings, *grouping); !s) return s.error();
     grouping->exchange(scene);
     for (std::size_t g = 0; g < grouping->groups.size(); ++g)
         baked.groups.push_back({grouping->groups[g].name, grouping->groups[g].weight, grouping->ofSky == int(g)});

@@ -2,6 +2,7 @@
 // Stages of bakes with light groups (spec S33): the light of each component, from estimates to pages and probes.
 
 #include "bake/first_stages.h"
+#include "bake/lights/main_light.h"
 #include "bake/probes/probes.h"
 #include "bake/seams/seams.h"
 
@@ -12,9 +13,8 @@
 
 namespace halflight {
 
-/// The scene's groups, which are white from then on, noted in the baked scene. Errors: those of groupLights() and
-/// checkLightGroups().
-Result<LightGrouping> beginGroups(const BakeSettings& settings, GroupChoice choice, Scene& scene, BakedScene& baked);
+/// The scene's groups, which are white from then on, noted in the baked scene. Errors: those of groupLights().
+Result<LightGrouping> beginGroups(GroupChoice choice, Scene& scene, BakedScene& baked);
 
 /// For the integrator: group g is component g + 1.
 LightComponents componentsOf(const LightGrouping& grouping);
@@ -25,10 +25,11 @@ Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightma
                        const Progress& progress);
 
 /// Denoises, fills and encodes the pages of each component, into the baked scene; each by itself, as a bake of its
-/// lights alone would be. Releases `components`.
+/// lights alone would be. Releases `components`. `main`: subtractive's main light, or null; each component has a lower
+/// limit of its shadows.
 Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
                            std::vector<IrradianceEstimate>& components, const std::vector<uint8_t>& valid,
-                           const std::vector<SeamSample>& seams, BakeReport& report);
+                           const MainLight* main, const std::vector<SeamSample>& seams, BakeReport& report);
 
 /// What addProbeLayers() will do to the set, for its components.
 void addLayersOfComponents(BakedProbes& probes);

@@ -89,6 +89,7 @@ struct BakedGroup {
     std::vector<Image<uint32_t>> lightmaps;
     std::vector<ImageRgba8> directions;
     std::vector<SphericalHarmonicsL2> radiance; ///< by probe
+    vec3 shadowColor{0.0f};                     ///< as BakedScene::defaultShadowColor, of the group's light
 };
 
 /// Result of a bake and input of the renderer.
@@ -113,7 +114,7 @@ struct BakedScene {
     std::vector<ImageRgba8> shadowmasks;
     std::array<MaskChannel, kMostMaskLayers * kLayerChannels> maskChannels{};
     /// Lower limit of subtractive shadows that the bake chose, irradiance in lux (spec S23): the light where the main
-    /// light is shadowed. Counts where the author asks for none.
+    /// light is shadowed. Counts where the author asks for none. In bakes with groups it is the rest's.
     vec3 defaultShadowColor{0.0f};
     ProbeSet probes;
     ReflectionSet reflections;
@@ -130,10 +131,14 @@ int maskLayersOf(const Scene& scene);
 /// Of the mask's pictures; zero where none has texels.
 ivec2 maskPageSize(const BakedScene& baked);
 
-/// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's.
+/// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's, with the groups at their saved
+/// weights.
 inline vec3 subtractiveShadowColor(const BakedScene& baked)
 {
-    return baked.scene.subtractiveShadowColor.value_or(baked.defaultShadowColor);
+    if (baked.scene.subtractiveShadowColor) return *baked.scene.subtractiveShadowColor;
+    vec3 color = baked.defaultShadowColor;
+    for (const BakedGroup& group : baked.groups) color += group.weight * group.shadowColor;
+    return color;
 }
 
 } // namespace halflight

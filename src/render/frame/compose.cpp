@@ -138,6 +138,8 @@ void composeGroups(BakedScene& baked, const std::vector<vec3>& weights)
     if (baked.groups.empty()) return;
     composePages(baked, weights);
     for (std::size_t g = 0; g < baked.groups.size(); ++g)
+        baked.defaultShadowColor += weights[g] * baked.groups[g].shadowColor;
+    for (std::size_t g = 0; g < baked.groups.size(); ++g)
         for (std::size_t i = 0; i < baked.groups[g].radiance.size(); ++i)
             for (std::size_t k = 0; k < 9; ++k)
                 baked.probes.probes[i].radiance[k] += weights[g] * baked.groups[g].radiance[i][k];

@@ -32,6 +32,7 @@ inline constexpr Range kBakeRanges[] = {
     {"extensions/HALFLIGHT_mixed_lighting/shadowmaskChannels/*/penumbraTexels", 0, 8192},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/weight", 0, 1e12},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/peak", 0, 1e18},
+    {"extensions/HALFLIGHT_mixed_lighting/groups/*/shadowColor", 0, 1e18},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/lightmapUnitLux", 0, 1e13, true},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/lightmapEncoding/scale", 0, 65408, true},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/lightmapEncoding/exponent", 0, 16, true},

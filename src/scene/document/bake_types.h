@@ -109,6 +109,7 @@ inline constexpr Rule kBakeRules[] = {
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/name", Kind::Text},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/weight", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/peak", Kind::Number},
+    {"extensions/HALFLIGHT_mixed_lighting/groups/*/shadowColor", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/sky", Kind::Flag},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/lightmaps/*/index", Kind::Index},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/lightmapDirections/*/index", Kind::Index},

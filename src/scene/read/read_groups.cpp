@@ -34,6 +34,9 @@ Status readGroups(const Json& root, BakedScene& baked)
         if (group.name.empty() || taken) return invalid(pathOfGroup(g), "has no name of its own");
         if (!readVector(member(groups[g], "weight"), group.weight))
             return invalid(pathOfGroup(g), "weight is not three numbers");
+        if (const Json& color = member(groups[g], "shadowColor");
+            !color.is_null() && !readVector(color, group.shadowColor))
+            return invalid(pathOfGroup(g), "shadowColor is not three numbers");
         const Json& peak = member(groups[g], "peak");
         group.peakLux = peak.is_number() ? peak.get<float>() : 0.0f;
         group.sky = member(groups[g], "sky") == true;

@@ -10,6 +10,7 @@ Status writeGroup(PictureWriter& pictures, const BakedGroup& group, std::span<co
 {
     record = {{"name", group.name}, {"weight", numbers(group.weight)}, {"peak", group.peakLux}};
     if (group.sky) record["sky"] = true;
+    if (group.shadowColor != vec3(0.0f)) record["shadowColor"] = numbers(group.shadowColor);
     if (group.unitLux != 1.0f) record["lightmapUnitLux"] = group.unitLux;
     Result<EncodedLightmaps> encoded = encodePages(group.lightmaps, group.unitLux, irradiance, options);
     if (!encoded) return encoded.error();
