@@ -4,6 +4,7 @@
 #include "bake/first_stages.h"
 #include "bake/lights/main_light.h"
 #include "bake/probes/probes.h"
+#include "bake/reflections/reflections.h"
 #include "bake/seams/seams.h"
 
 #include "halflight/scene/light_groups.h"
@@ -37,10 +38,15 @@ void addLayersOfComponents(BakedProbes& probes);
 /// Takes the components of probes into the baked scene: probes keep the rest.
 void keepComponentsOfProbes(const BakedProbes& probes, BakedScene& baked);
 
-/// Pages of all light, lux: the rest and the groups by their weights.
-std::vector<ImageRgb32f> composedPages(const BakeResult& result);
+/// Light of a bake while its groups are white: of all, and of each component.
+struct WhitePages {
+    std::vector<ImageRgb32f> irradiance; ///< lux
+    std::vector<ImageRgba8> directions;  ///< none, or by page
+    ComponentLight components;           ///< the bake's own pages
+};
+WhitePages whitePages(const BakeResult& result);
 
-/// Gives the scene its own light in place of white groups, and an integrator of it.
-Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages);
+/// Gives the scene its own light in place of white groups, and the groups the white light of a finished bake.
+void finishGroups(LightGrouping& grouping, BakeResult& result);
 
 } // namespace halflight

@@ -61,7 +61,8 @@ bool probesDiffer(std::span<const ProbeEstimate> before, std::span<const ProbeEs
 void addMembers(Hasher& hasher, const LightComponents& components, const Scene& scene)
 {
     if (components.count == 0) return;
-    hasher.add(components.count).add(components.ofSky);
+    hasher.add(components.count);
+    for (const int part : components.ofSky) hasher.add(part);
     const auto add = [&](int component, const std::string& name) {
         if (component > 0) hasher.add(component).add(std::string_view(name));
     };

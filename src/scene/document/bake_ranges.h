@@ -36,6 +36,8 @@ inline constexpr Range kBakeRanges[] = {
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/lightmapUnitLux", 0, 1e13, true},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/lightmapEncoding/scale", 0, 65408, true},
     {"extensions/HALFLIGHT_mixed_lighting/groups/*/lightmapEncoding/exponent", 0, 16, true},
+    {"extensions/HALFLIGHT_mixed_lighting/groups/*/reflections/unitNits", 0, 1e13, true},
+    {"extensions/HALFLIGHT_mixed_lighting/groups/*/reflections/size", 32, 1024},
     {"extensions/HALFLIGHT_mixed_lighting/sky/zenith", 0, 1e12},
     {"extensions/HALFLIGHT_mixed_lighting/sky/horizon", 0, 1e12},
     {"extensions/HALFLIGHT_mixed_lighting/sky/ground", 0, 1e12},

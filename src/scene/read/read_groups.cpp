@@ -3,6 +3,7 @@
 #include "halflight/scene/light_groups.h"
 #include "scene/format/bake_members.h"
 #include "scene/read/read_baked.h"
+#include "scene/read/read_reflections.h"
 
 #include <algorithm>
 
@@ -40,6 +41,7 @@ Status readGroups(const Json& root, BakedScene& baked)
         const Json& peak = member(groups[g], "peak");
         group.peakLux = peak.is_number() ? peak.get<float>() : 0.0f;
         group.sky = member(groups[g], "sky") == true;
+        group.direct = !groups[g].contains("lightmapEncoding");
         baked.groups.push_back(std::move(group));
     }
     for (const Light& light : baked.scene.lights)
@@ -63,6 +65,19 @@ Status readGroupProbes(const SourceDocument& document, const Json& root, BakedSc
         if (!values) return values.error();
         baked.groups[g].radiance.resize(count);
         for (std::size_t i = 0; i < 9 * count; ++i) baked.groups[g].radiance[i / 9][i % 9] = (*values)[i];
+    }
+    return {};
+}
+
+Status readGroupReflections(const SourceDocument& document, const Json& root, BakedScene& baked)
+{
+    for (std::size_t g = 0; g < baked.groups.size(); ++g) {
+        const Json& json = member(root["groups"][g], "reflections");
+        if (json.is_null()) continue;
+        if (Status s = readReflectionPicture(document, json, baked.reflections.probes.size(),
+                                             pathOfGroup(g) + "/reflections", baked.groups[g].reflections);
+            !s)
+            return s;
     }
     return {};
 }
