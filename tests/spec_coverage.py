@@ -62,7 +62,7 @@ def self_test():
     assert count("S3", name="S4") == 2  # the parts' names, and S3's mutation
     assert count(tests=tests - {"LawS3.B"}) == 1
     assert count(mutations=[m for m in mutations if m["part"] != "S3"]) == 1
-    assert count(mutations=mutations + [{"part": "S34", "name": "n", "fails": []}]) == 1
+    assert count(mutations=mutations + [{"part": "S37", "name": "n", "fails": []}]) == 1
     for name, parts in (("LocalLawS3S4.Near", {"S3", "S4"}), ("Lights.EndsAtDistanceS1", {"S1"}), ("ABS3.A", set()),
                         ("LawS12.StaticCasters", {"S12"}), ("S3a.b", set())):
         assert make_spec_coverage.parts_in(name) == parts, name
