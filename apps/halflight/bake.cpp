@@ -90,9 +90,8 @@ std::string contradiction(const CLI::App& app, const BakeOptions& options)
         return "--lightmap-format webp needs a build with libwebp, and this one has none";
     if (!options.bake.only.empty() && options.bake.cacheDirectory.empty())
         return "--only needs --cache, with the last bake of all objects";
-    const bool forOthers = options.exportStyle || !options.sidecarDirectory.empty();
-    if (forOthers && app.count("--groups") > 0 && options.bake.groups != GroupChoice::Off)
-        return "exports and sidecars hold no light groups, so --groups does not go with them";
+    if (options.exportStyle && app.count("--groups") > 0 && options.bake.groups != GroupChoice::Off)
+        return "exports hold no light groups, so --groups does not go with them";
     return exportContradiction(app, options);
 }
 
@@ -160,7 +159,12 @@ Result<Scene> readBakeScene(const BakeOptions& options)
 void applyOptions(BakeOptions& options, Scene& scene)
 {
     if (options.exportStyle) prepareExport(options.bake, scene);
-    if (options.skyGiven) scene.sky = Sky{options.skyNits, options.skyNits, options.skyNits};
+    if (options.skyGiven) {
+        Sky sky{options.skyNits, options.skyNits, options.skyNits};
+        sky.group = scene.sky.group;
+        sky.changes = scene.sky.changes;
+        scene.sky = std::move(sky);
+    }
     if (!scene.sky.picture || !scene.sky.pictureOfBake) return;
     scene.warnings.push_back(fmt::format("the sky is the picture of {} x {} texels that an earlier bake kept in the "
                                          "file, in which a small sun is blurred; name the original ([sky] image in "
@@ -175,8 +179,9 @@ int runBake(const CLI::App& app, const BakeOptions& given)
     const auto began = std::chrono::steady_clock::now();
     // A sidecar is for readers that know four channels.
     if (!options.sidecarDirectory.empty() && app.count("--mask-layers") == 0) options.bake.mostMaskLayers = 1;
-    // Readers of exports and sidecars know no groups: they get the lights as they are.
-    if (options.exportStyle || !options.sidecarDirectory.empty()) options.bake.groups = GroupChoice::Off;
+    // Viewers of exports know no groups, nor do most readers of sidecars: they get the lights as they are.
+    if (options.exportStyle || (!options.sidecarDirectory.empty() && app.count("--groups") == 0))
+        options.bake.groups = GroupChoice::Off;
     const std::string extension = lowerExtension(options.output);
     std::filesystem::path culprit;
     if (Status status = checkBakePaths(options, culprit); !status) return fail(culprit, status.error());

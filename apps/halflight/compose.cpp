@@ -50,7 +50,7 @@ int runCompose(const ComposeOptions& options)
         state += fmt::format("{}{}={}", g > 0 ? ", " : "", printable(baked->groups[g].name),
                              grey ? fmt::format("{:g}", w.x) : fmt::format("{:g},{:g},{:g}", w.x, w.y, w.z));
     }
-    const bool reflects = !baked->reflections.probes.empty();
+    const std::vector<std::string> kept = groupsKeptByReflections(*baked, *weights);
     composeGroups(*baked, *weights);
     WriteOptions write;
     write.mayReplace = commitOutput;
@@ -58,9 +58,10 @@ int runCompose(const ComposeOptions& options)
         return fail(options.output, status.error());
     if (options.quiet) return kOk;
     for (const std::string& warning : baked->scene.warnings) warn(options.input, warning);
-    if (reflects && !options.groups.empty())
-        warn(options.input, "reflection probes keep the light of the bake: glossy surfaces reflect the groups as they "
-                            "were then");
+    for (const std::string& group : kept)
+        warn(options.input, fmt::format("the light group {} has less than 1 % of what reflection probes show: glossy "
+                                        "surfaces reflect it as it was in the bake",
+                                        printable(group)));
     print("{}: {}\n", options.output.string(), state);
     return kOk;
 }
@@ -79,6 +80,7 @@ Command addComposeCommand(CLI::App& parent)
     addGroups(app, options->groups,
               "weight of a light group, one number or three for red, green and blue (default: as the file has it); may "
               "be repeated");
+    addSky(app, options->groups);
     app.add_flag("-q,--quiet", options->quiet, "print errors only");
     app.footer("Example: halflight compose baked.glb -o evening.glb --group lamps=1 --group sun=0");
     return {&app, [options] { return runCompose(*options); }};

@@ -127,9 +127,6 @@ Status planScene(const PlanOptions& options, const fs::path& file, const std::ve
     {
         Result<Scene> scene = readScene(file, read);
         if (!scene) return scene.error();
-        BakeSettings settings = options.bake.bake;
-        settings.cacheDirectory = planned.cache;
-        if (Status status = checkLightGroups(*scene, settings); !status) return status;
         if (Status status = copyScene(*scene, file, options.bake.settingsFile, plan, planned); !status) return status;
     }
     // What workers will read is what is planned.

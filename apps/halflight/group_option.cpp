@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <array>
 #include <optional>
 
 namespace halflight::cli {
@@ -47,6 +48,35 @@ CLI::Option* addGroups(CLI::App& app, std::vector<GroupWeight>& weights, const s
         ->type_size(1)
         ->allow_extra_args(false)
         ->type_name("NAME=WEIGHT");
+}
+
+void addSky(CLI::App& app, std::vector<GroupWeight>& weights)
+{
+    struct Part {
+        const char* option;
+        const char* group;
+        const char* description;
+    };
+    constexpr std::array<Part, 4> kParts = {{
+        {"--sky", "sky", "radiance of a sky that changes, cd/m2, or what its picture is multiplied by"},
+        {"--sky-zenith", "sky.zenith", "the same of a gradient's zenith alone"},
+        {"--sky-horizon", "sky.horizon", "the same of its horizon"},
+        {"--sky-ground", "sky.ground", "the same of its ground"},
+    }};
+    for (const Part& part : kParts) {
+        const auto weightOf = [part](const std::string& text) {
+            return parseWeight(std::string(part.group) + "=" + text);
+        };
+        const auto check = [weightOf](std::string& text) {
+            return weightOf(text) ? std::string()
+                                  : fmt::format("must be one number of 0 or more, or three, not '{}'", text);
+        };
+        app.add_option_function<std::string>(
+               part.option, [&weights, weightOf](const std::string& text) { weights.push_back(*weightOf(text)); },
+               part.description)
+            ->check(CLI::Validator(check, std::string()))
+            ->type_name("R,G,B");
+    }
 }
 
 } // namespace halflight::cli

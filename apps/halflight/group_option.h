@@ -1,5 +1,5 @@
 #pragma once
-// --group NAME=WEIGHT of commands that show or write a state of a bake.
+// --group NAME=WEIGHT and --sky of commands that show or write a state of a bake.
 
 #include "console.h"
 
@@ -11,5 +11,8 @@ namespace halflight::cli {
 
 /// Adds the option; each use appends to `weights`.
 CLI::Option* addGroups(CLI::App& app, std::vector<GroupWeight>& weights, const std::string& description);
+
+/// Adds --sky, --sky-zenith, --sky-horizon and --sky-ground: the weights of the sky's parts.
+void addSky(CLI::App& app, std::vector<GroupWeight>& weights);
 
 } // namespace halflight::cli

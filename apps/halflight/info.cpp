@@ -5,6 +5,7 @@
 #include "terminal.h"
 
 #include "halflight/scene/gltf.h"
+#include "halflight/scene/group_bytes.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -87,6 +88,7 @@ Json jsonOf(const Light& light)
 Json groupsJson(const BakedScene& baked)
 {
     Json groups = Json::array();
+    const std::vector<uint64_t> bytes = bytesOfGroups(baked.scene);
     for (std::size_t g = 0; g < baked.groups.size(); ++g) {
         const BakedGroup& group = baked.groups[g];
         Json lights = Json::array();
@@ -100,6 +102,7 @@ Json groupsJson(const BakedScene& baked)
                           {"weight", jsonArray(group.weight)},
                           {"peakLux", group.peakLux},
                           {"pages", lit},
+                          {"bytes", bytes.at(g)},
                           {"lights", lights},
                           {"materials", materials},
                           {"sky", group.sky}});
@@ -112,7 +115,7 @@ void printGroups(const BakedScene& baked)
     if (baked.groups.empty()) return;
     std::size_t width = 11;
     for (const BakedGroup& group : baked.groups) width = std::max(width, printable(group.name).size());
-    print("\n{:<{}}  {:<18}  {:<9}  {}\n", "light group", width, "weight", "peak", "members");
+    print("\n{:<{}}  {:<18}  {:<9}  {:>8}  {}\n", "light group", width, "weight", "peak", "bytes", "members");
     const Json groups = groupsJson(baked);
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const BakedGroup& group = baked.groups[g];
@@ -123,8 +126,8 @@ void printGroups(const BakedScene& baked)
         if (group.sky) members += members.empty() ? "the sky" : ", the sky";
         const std::string weight =
             fmt::format("{:.3g}, {:.3g}, {:.3g}", group.weight.x, group.weight.y, group.weight.z);
-        print("{:<{}}  {:<18}  {:<9}  {}\n", printable(group.name), width, weight,
-              fmt::format("{:.3g} lx", group.peakLux), members);
+        print("{:<{}}  {:<18}  {:<9}  {:>8}  {}\n", printable(group.name), width, weight,
+              fmt::format("{:.3g} lx", group.peakLux), withUnit(double(groups[g]["bytes"].get<uint64_t>())), members);
     }
 }
 

@@ -78,6 +78,7 @@ void addPictureOptions(CLI::App& app, RenderOptions& options, const std::string&
     addGroups(app, options.groups,
               "weight of one of the bake's light groups, one number or three for red, green and blue (default: as the "
               "file has it); may be repeated");
+    addSky(app, options.groups);
     const auto checkSize = [](std::string& text) {
         ivec2 ignored;
         if (parseSize(text, ignored)) return std::string();

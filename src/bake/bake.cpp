@@ -12,6 +12,7 @@
 #include "bake/pages/stage_images.h"
 #include "bake/probes/probes.h"
 #include "bake/reflections/reflections.h"
+#include "bake/reflections/specular_points.h"
 #include "bake/report/bake_report.h"
 #include "bake/seams/seams.h"
 #include "bake/sides/hidden_sides.h"
@@ -218,18 +219,18 @@ Status probeStage(const BakeRun& run, const CachedIntegrator& cached)
     return {};
 }
 
-/// Of the scene's own light.
 Status reflectionStage(const BakeRun& run, const CachedIntegrator& cached)
 {
     if (!run.settings.reflectionProbes) return {};
-    const std::vector<ImageRgb32f> composed =
-        run.result.groupIrradiance.empty() ? std::vector<ImageRgb32f>() : composedPages(run.result);
     BakeReport& report = run.report();
     StageTimer timer(report, "reflection probes");
     const uint64_t before = cached.integrator.raysTraced();
-    const std::vector<ImageRgb32f>& pages = run.result.groupIrradiance.empty() ? run.result.irradiance : composed;
-    if (Status s =
-            bakeReflections(run.baked(), cached, pages, report.quality.reflectionSize, report.warnings, run.progress);
+    const bool grouped = run.components.count > 0;
+    const WhitePages white = grouped ? whitePages(run.result) : WhitePages();
+    const LightmapPages pages = grouped ? LightmapPages{white.irradiance, white.directions}
+                                        : LightmapPages{run.result.irradiance, run.baked().lightmapDirections};
+    if (Status s = bakeReflections(run.baked(), cached, pages, white.components, report.quality.reflectionSize,
+                                   report.warnings, run.progress);
         !s)
         return s;
     report.reflectionProbeCount = int(run.baked().reflections.probes.size());
@@ -268,7 +269,8 @@ public:
         Status made;
         Status traced;
         pages_.run([&] {
-            made = grouped ? componentPagesStage(run_, cached_, components_, valid_, seams_, pagesReport_)
+            made = grouped ? componentPagesStage(run_, cached_, components_, valid_, main_ ? &*main_ : nullptr, seams_,
+                                                 pagesReport_)
                            : lightmapPagesStage(run_, cached_, estimates_, valid_, main_, seams_, pagesReport_);
         });
         if (!timed) inIsolation([&] { traced = masksAndProbes(); });
@@ -365,12 +367,10 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     BakeResult result;
     BakeReport& report = result.report;
     FileGroup images;
-    for (Material& material : scene.materials) material.bakedGroup = -1; // of an earlier bake
-    Result<LightGrouping> grouping = groupLights(scene, live == nullptr ? settings.groups : GroupChoice::Off);
+    Result<LightGrouping> grouping =
+        beginGroups(live == nullptr ? settings.groups : GroupChoice::Off, scene, result.baked);
     if (!grouping) return grouping.error();
-    if (Status s = checkGroups(settings, *grouping); !s) return s.error();
     const BakeRun run{settings, progress, result, live, &images, componentsOf(*grouping)};
-    beginGroups(*grouping, scene, result.baked);
     FirstStages firstStages;
     if (Status status = prepareTexels(run, std::move(scene), integratorFactory, CacheUse{}, firstStages); !status)
         return status.error();
@@ -381,8 +381,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     const CachedIntegrator cached = firstStages.cached();
     if (Status status = TraceStages(run, cached, integratorFactory.denoise, began).trace(); !status)
         return status.error();
-    if (Status status = withOwnLight(run, *grouping, integratorFactory, firstStages); !status) return status.error();
-    if (Status status = reflectionStage(run, firstStages.cached()); !status) return status.error();
+    if (Status status = reflectionStage(run, cached); !status) return status.error();
+    finishGroups(*grouping, result);
 
     if (cache) {
         cache->finish();

@@ -4,6 +4,7 @@
 
 #include "bake/first_stages.h"
 #include "bake/first_stages_parts.h"
+#include "bake/group_stages.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/shading/random.h"
@@ -97,10 +98,12 @@ Result<FarmBake> planFarm(Scene scene, const BakeSettings& settings, const Integ
 {
     const ThreadLimit threads(settings.threads);
     BakeResult result;
-    const BakeRun run{settings, progress, result};
     FirstStages firstStages;
     FarmBake bake;
     bake.inputs = bakeHash(scene, settings).hex();
+    const Result<LightGrouping> grouping = beginGroups(settings.groups, scene, result.baked);
+    if (!grouping) return grouping.error();
+    const BakeRun run{settings, progress, result, nullptr, nullptr, componentsOf(*grouping)};
     const CacheUse use{false, WorkShare{}};
     if (Status status = prepareTexels(run, std::move(scene), factory, use, firstStages); !status) return status.error();
     if (!firstStages.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
@@ -136,9 +139,11 @@ Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const F
 {
     const ThreadLimit threads(settings.threads);
     BakeResult result;
-    const BakeRun run{settings, progress, result};
     if (Status status = checkFarmInputs(scene, settings, planned); !status) return status.error();
     if (Status status = checkFarmIdentity(settings, planned, factory); !status) return status.error();
+    const Result<LightGrouping> grouping = beginGroups(settings.groups, scene, result.baked);
+    if (!grouping) return grouping.error();
+    const BakeRun run{settings, progress, result, nullptr, nullptr, componentsOf(*grouping)};
     FirstStages firstStages;
     const CacheUse use{compares, work.share};
     if (Status status = prepareTexels(run, std::move(scene), factory, use, firstStages); !status) return status.error();

@@ -162,7 +162,7 @@ Status openCache(const BakeRun& run, const std::vector<uint8_t>& objects, const 
     const std::filesystem::path& folder = firstStages.cacheFolder;
     if (folder.empty()) return {};
     const Scene& scene = run.baked().scene;
-    const Hash128 layout = layoutHash(firstStages.map, firstStages.integration, run.settings.mode);
+    const Hash128 layout = layoutHash(firstStages.map, firstStages.integration, run.settings.mode, scene);
     const Hash128 light = lightHash(layout, scene, firstStages.geometry);
     const TexelOwners owners(scene, firstStages.geometry, firstStages.map);
     if (!objects.empty())

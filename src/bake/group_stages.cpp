@@ -7,15 +7,22 @@
 
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
+#include "halflight/render/compose.h"
 #include "halflight/scene/probe_cells.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace halflight {
 namespace {
 
 /// Texels darker than this share of the 99th percentile are black, so that they take no bytes.
 constexpr float kDarkShare = 1.0f / 4096.0f;
+/// Bits of groups' mantissas in RGB9E5, of nine: half a step is 0.8 % of a texel's brightest channel at most. Bits that
+/// hold noise take bytes, and do not compress.
+constexpr uint32_t kMantissaBits = 7;
+/// Bits of groups' mean directions, of eight: half a step is 1.6 % of a unit vector.
+constexpr uint32_t kDirectionBits = 6;
 
 /// Pages of one component, lux.
 struct LightPages {
@@ -23,11 +30,17 @@ struct LightPages {
     std::vector<ImageRgb32f> moments; ///< empty without directions
 };
 
+/// `main`: subtractive's main light where it belongs to the component, else null.
 LightPages pagesOf(const CachedIntegrator& cached, const std::vector<IrradianceEstimate>& estimates,
-                   const std::vector<uint8_t>& valid, const std::vector<SeamSample>& seams, bool directional)
+                   const MainLight* main, const std::vector<uint8_t>& valid, const std::vector<SeamSample>& seams,
+                   bool directional)
 {
     LightPages pages;
     TexelValues values = splitEstimates(estimates);
+    if (main != nullptr) {
+        main->addTo(values.irradiance);
+        main->addTo(values.direct);
+    }
     fillInvalid(cached.geometry, cached.map, valid, values.irradiance);
     fillInvalid(cached.geometry, cached.map, valid, values.direct);
     pages.irradiance = dilate(cached.map, values.irradiance, kDilationRings);
@@ -37,6 +50,7 @@ LightPages pagesOf(const CachedIntegrator& cached, const std::vector<IrradianceE
     if (!directional) return pages;
     std::vector<vec3>& moments = values.irradiance;
     forEachIndex(moments.size(), [&](std::size_t i) { moments[i] = estimates[i].moment; });
+    if (main != nullptr) main->addMomentTo(moments);
     fillInvalid(cached.geometry, cached.map, valid, moments);
     pages.moments = dilate(cached.map, moments, kDilationRings);
     stitchSeams(cached.map, seams, weights, pages.moments);
@@ -58,12 +72,59 @@ void blackenDark(std::vector<ImageRgb32f>& pages)
             if (luminance(texel) < least) texel = vec3(0.0f);
 }
 
+/// To kMantissaBits. Mantissas that would need another exponent stay below it.
+void roundMantissas(std::vector<Image<uint32_t>>& pages)
+{
+    constexpr uint32_t kAll = 9;
+    constexpr uint32_t kStep = 1u << (kAll - kMantissaBits);
+    constexpr uint32_t kMost = (1u << kAll) - kStep;
+    for (Image<uint32_t>& page : pages) {
+        for (uint32_t& texel : page.texels()) {
+            for (uint32_t shift = 0; shift < 3 * kAll; shift += kAll) {
+                const uint32_t mantissa = (texel >> shift) & ((1u << kAll) - 1);
+                const uint32_t rounded = std::min((mantissa + kStep / 2) & ~(kStep - 1), kMost);
+                texel = (texel & ~(((1u << kAll) - 1) << shift)) | (rounded << shift);
+            }
+        }
+    }
+}
+
+/// To kDirectionBits.
+void roundDirections(std::vector<ImageRgba8>& pages)
+{
+    constexpr int kStep = 1 << (8 - int(kDirectionBits));
+    for (ImageRgba8& page : pages)
+        for (u8vec4& texel : page.texels())
+            for (int c = 0; c < 3; ++c) {
+                // In steps from the middle, which is no direction.
+                const int steps = int(std::lround(float(int(texel[c]) - 128) / float(kStep)));
+                texel[c] = u8vec4::value_type(std::clamp(128 + steps * kStep, 0, 255));
+            }
+}
+
+/// Whether some of a component's light in the lightmap has not been reflected.
+bool hasDirectLight(const LightComponents& components, const BakedScene& baked, int component)
+{
+    if (std::ranges::count(components.ofSky, component) > 0) return true;
+    if (std::ranges::count(components.ofMaterial, component) > 0) return true;
+    for (std::size_t i = 0; i < components.ofLight.size(); ++i) {
+        const bool baking =
+            baked.mode == MixedLightingMode::Subtractive || baked.scene.lights[i].baking.bakeType == LightMode::Baked;
+        if (components.ofLight[i] == component && baking) return true;
+    }
+    return false;
+}
+
 /// Pages without light have no texels.
 void encodeGroup(const LightPages& pages, BakedGroup& group)
 {
     group.unitLux = lightmapUnitFor(pages.irradiance);
     group.lightmaps = encodeLightmap(pages.irradiance, group.unitLux);
-    if (!pages.moments.empty()) group.directions = encodeDirections(pages.irradiance, pages.moments);
+    if (group.direct) {
+        roundMantissas(group.lightmaps);
+        if (!pages.moments.empty()) group.directions = encodeDirections(pages.irradiance, pages.moments);
+        roundDirections(group.directions);
+    }
     group.peakLux = 0.0f;
     for (std::size_t p = 0; p < pages.irradiance.size(); ++p) {
         float peak = 0.0f;
@@ -77,24 +138,6 @@ void encodeGroup(const LightPages& pages, BakedGroup& group)
 
 } // namespace
 
-Status checkGroups(const BakeSettings& settings, const LightGrouping& grouping)
-{
-    if (grouping.groups.empty()) return {};
-    const auto wrong = [](const std::string& what) {
-        return Error{ErrorCode::InvalidArgument, what + ": give --groups off for a bake without groups", ""};
-    };
-    if (settings.mode == MixedLightingMode::Subtractive)
-        return wrong("has light groups, which subtractive bakes do not have");
-    if (!settings.cacheDirectory.empty()) return wrong("has light groups, which a cache does not hold yet");
-    return {};
-}
-
-Status checkLightGroups(Scene& scene, const BakeSettings& settings)
-{
-    const Result<LightGrouping> grouping = groupLights(scene, settings.groups);
-    return grouping ? checkGroups(settings, *grouping) : Status(grouping.error());
-}
-
 LightComponents componentsOf(const LightGrouping& grouping)
 {
     LightComponents components;
@@ -102,7 +145,7 @@ LightComponents componentsOf(const LightGrouping& grouping)
     components.count = int(grouping.groups.size()) + 1;
     for (const int group : grouping.ofLight) components.ofLight.push_back(group + 1);
     for (const int group : grouping.ofMaterial) components.ofMaterial.push_back(group + 1);
-    components.ofSky = grouping.ofSky + 1;
+    for (std::size_t part = 0; part < grouping.ofSky.size(); ++part) components.ofSky[part] = grouping.ofSky[part] + 1;
     return components;
 }
 
@@ -111,12 +154,12 @@ Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightma
                        const Progress& progress)
 {
     components = largeVector<IrradianceEstimate>(estimates.size() * std::size_t(cached.settings.components.count));
-    return lightmap.irradianceByComponent({allIndices(estimates.size())}, estimates, components, progress);
+    return cached.irradianceByComponent(lightmap, estimates, components, progress);
 }
 
 Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
                            std::vector<IrradianceEstimate>& components, const std::vector<uint8_t>& valid,
-                           const std::vector<SeamSample>& seams, BakeReport& report)
+                           const MainLight* main, const std::vector<SeamSample>& seams, BakeReport& report)
 {
     BakedScene& baked = run.baked();
     const bool directional = run.report().quality.directional;
@@ -130,9 +173,15 @@ Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
         if (lit && run.settings.denoiser != Denoiser::Off)
             denoise(cached.geometry, cached.map, seams, own, directional);
         if (run.progress.cancelled()) return cancelledError();
-        LightPages pages = pagesOf(cached, own, valid, seams, directional);
+        if (main != nullptr) {
+            vec3& color = c > 0 ? baked.groups[c - 1].shadowColor : baked.defaultShadowColor;
+            color = chooseShadowColor(*main, splitEstimates(own).irradiance, valid, run.settings.subtractiveMask);
+        }
+        const bool holdsMain = main != nullptr && std::size_t(run.components.ofLight[main->light]) == c;
+        LightPages pages = pagesOf(cached, own, holdsMain ? main : nullptr, valid, seams, directional);
         if (c > 0) {
             blackenDark(pages.irradiance);
+            baked.groups[c - 1].direct = hasDirectLight(run.components, baked, int(c));
             encodeGroup(pages, baked.groups[c - 1]);
             run.result.groupIrradiance[c - 1] = std::move(pages.irradiance);
             continue;
@@ -170,23 +219,69 @@ void keepComponentsOfProbes(const BakedProbes& probes, BakedScene& baked)
     }
 }
 
-std::vector<ImageRgb32f> composedPages(const BakeResult& result)
+WhitePages whitePages(const BakeResult& result)
 {
-    std::vector<ImageRgb32f> pages = result.irradiance;
+    WhitePages pages;
+    BakedScene all;
+    all.lightmaps = result.baked.lightmaps;
+    all.lightmapUnitLux = result.baked.lightmapUnitLux;
+    all.lightmapDirections = result.baked.lightmapDirections;
+    pages.irradiance = result.irradiance;
+    pages.components.lightmaps.emplace_back(result.irradiance);
     for (std::size_t g = 0; g < result.groupIrradiance.size(); ++g) {
-        const vec3 weight = result.baked.groups[g].weight;
-        for (std::size_t p = 0; p < pages.size(); ++p)
-            for (std::size_t i = 0; i < pages[p].texelCount(); ++i)
-                pages[p].data()[i] += weight * result.groupIrradiance[g][p].data()[i];
+        const BakedGroup& group = result.baked.groups[g];
+        pages.components.lightmaps.emplace_back(result.groupIrradiance[g]);
+        for (std::size_t p = 0; p < pages.irradiance.size(); ++p)
+            for (std::size_t i = 0; i < pages.irradiance[p].texelCount(); ++i)
+                pages.irradiance[p].data()[i] += result.groupIrradiance[g][p].data()[i];
+        BakedGroup& copy = all.groups.emplace_back();
+        copy.unitLux = group.unitLux;
+        copy.lightmaps = group.lightmaps;
+        copy.directions = group.directions;
     }
+    composeGroups(all, std::vector<vec3>(all.groups.size(), vec3(1.0f)));
+    pages.directions = std::move(all.lightmapDirections);
     return pages;
 }
 
 namespace {
 
-/// Gives the scene its own light back, and what the bake had of it.
-void finishGroups(LightGrouping& grouping, BakedScene& baked)
+/// Light of a bake with brighter white, as LightGroup::finished has it.
+void scaleWhite(float factor, BakedGroup& group, std::vector<ImageRgb32f>& irradiance)
 {
+    if (factor == 1.0f) return;
+    group.weight /= factor;
+    group.unitLux *= factor;
+    group.peakLux *= factor;
+    group.shadowColor *= factor;
+    group.reflections.unitNits *= factor;
+    for (SphericalHarmonicsL2& probe : group.radiance)
+        for (vec3& coefficient : probe) coefficient *= factor;
+    for (ImageRgb32f& page : irradiance)
+        for (vec3& texel : page.texels()) texel *= factor;
+}
+
+} // namespace
+
+Result<LightGrouping> beginGroups(GroupChoice choice, Scene& scene, BakedScene& baked)
+{
+    for (Material& material : scene.materials) material.bakedGroup = -1; // of an earlier bake
+    Result<LightGrouping> grouping = groupLights(scene, choice);
+    if (!grouping) return grouping;
+    grouping->exchange(scene);
+    for (std::size_t g = 0; g < grouping->groups.size(); ++g) {
+        BakedGroup& group = baked.groups.emplace_back();
+        group.name = grouping->groups[g].name;
+        group.weight = grouping->groups[g].weight;
+        group.sky = std::ranges::count(grouping->ofSky, int(g)) > 0;
+    }
+    return grouping;
+}
+
+void finishGroups(LightGrouping& grouping, BakeResult& result)
+{
+    if (grouping.groups.empty()) return;
+    BakedScene& baked = result.baked;
     Scene& scene = baked.scene;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         Light& light = scene.lights[i];
@@ -200,27 +295,8 @@ void finishGroups(LightGrouping& grouping, BakedScene& baked)
     grouping.exchange(scene);
     for (Light& light : scene.lights)
         if (light.baking.group >= 0) light.baking.atBake.colorIntensity = light.color * light.intensity;
-}
-
-} // namespace
-
-void beginGroups(LightGrouping& grouping, Scene& scene, BakedScene& baked)
-{
-    grouping.exchange(scene);
-    for (std::size_t g = 0; g < grouping.groups.size(); ++g)
-        baked.groups.push_back({grouping.groups[g].name, grouping.groups[g].weight, grouping.ofSky == int(g)});
-}
-
-Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages)
-{
-    if (grouping.groups.empty()) return {};
-    finishGroups(grouping, run.baked());
-    if (!run.settings.reflectionProbes) return {};
-    stages.integration.components = {};
-    auto integrator = factory.make(run.baked().scene, stages.geometry, stages.integration);
-    if (!integrator) return integrator.error();
-    stages.integrator = std::move(*integrator);
-    return {};
+    for (std::size_t g = 0; g < baked.groups.size(); ++g)
+        scaleWhite(grouping.groups[g].finished, baked.groups[g], result.groupIrradiance[g]);
 }
 
 } // namespace halflight

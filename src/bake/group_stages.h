@@ -2,7 +2,9 @@
 // Stages of bakes with light groups (spec S33): the light of each component, from estimates to pages and probes.
 
 #include "bake/first_stages.h"
+#include "bake/lights/main_light.h"
 #include "bake/probes/probes.h"
+#include "bake/reflections/reflections.h"
 #include "bake/seams/seams.h"
 
 #include "halflight/scene/light_groups.h"
@@ -12,8 +14,8 @@
 
 namespace halflight {
 
-/// What a bake cannot do with light groups, as an error.
-Status checkGroups(const BakeSettings& settings, const LightGrouping& grouping);
+/// The scene's groups, which are white from then on, noted in the baked scene. Errors: those of groupLights().
+Result<LightGrouping> beginGroups(GroupChoice choice, Scene& scene, BakedScene& baked);
 
 /// For the integrator: group g is component g + 1.
 LightComponents componentsOf(const LightGrouping& grouping);
@@ -24,10 +26,11 @@ Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightma
                        const Progress& progress);
 
 /// Denoises, fills and encodes the pages of each component, into the baked scene; each by itself, as a bake of its
-/// lights alone would be. Releases `components`.
+/// lights alone would be. Releases `components`. `main`: subtractive's main light, or null; each component has a lower
+/// limit of its shadows.
 Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
                            std::vector<IrradianceEstimate>& components, const std::vector<uint8_t>& valid,
-                           const std::vector<SeamSample>& seams, BakeReport& report);
+                           const MainLight* main, const std::vector<SeamSample>& seams, BakeReport& report);
 
 /// What addProbeLayers() will do to the set, for its components.
 void addLayersOfComponents(BakedProbes& probes);
@@ -35,12 +38,15 @@ void addLayersOfComponents(BakedProbes& probes);
 /// Takes the components of probes into the baked scene: probes keep the rest.
 void keepComponentsOfProbes(const BakedProbes& probes, BakedScene& baked);
 
-/// Pages of all light, lux: the rest and the groups by their weights.
-std::vector<ImageRgb32f> composedPages(const BakeResult& result);
+/// Light of a bake while its groups are white: of all, and of each component.
+struct WhitePages {
+    std::vector<ImageRgb32f> irradiance; ///< lux
+    std::vector<ImageRgba8> directions;  ///< none, or by page
+    ComponentLight components;           ///< the bake's own pages
+};
+WhitePages whitePages(const BakeResult& result);
 
-/// Makes the scene's groups white, and notes them in the baked scene.
-void beginGroups(LightGrouping& grouping, Scene& scene, BakedScene& baked);
-/// Gives the scene its own light in place of white groups, and an integrator of it.
-Status withOwnLight(const BakeRun& run, LightGrouping& grouping, const IntegratorFactory& factory, FirstStages& stages);
+/// Gives the scene its own light in place of white groups, and the groups the white light of a finished bake.
+void finishGroups(LightGrouping& grouping, BakeResult& result);
 
 } // namespace halflight

@@ -25,4 +25,11 @@ Status Integrator::probesByComponent(std::span<const vec3> /*positions*/, std::s
     return withoutComponents();
 }
 
+Status Integrator::radianceAroundByComponent(vec3 /*position*/,
+                                             std::span<const std::span<const ImageRgb32f>> /*lightmaps*/, int /*rays*/,
+                                             std::span<ImageRgb32f> /*maps*/, const Progress& /*progress*/)
+{
+    return withoutComponents();
+}
+
 } // namespace halflight

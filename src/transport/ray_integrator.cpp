@@ -108,7 +108,13 @@ public:
     Status radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
                           const Progress& progress) override
     {
-        return traceRadianceAround({paths_, settings_, lightmap, rays}, position, map, progress, rays_);
+        return traceRadianceAround({paths_, settings_, {&lightmap, 1}, rays}, position, {&map, 1}, progress, rays_);
+    }
+
+    Status radianceAroundByComponent(vec3 position, std::span<const std::span<const ImageRgb32f>> lightmaps, int rays,
+                                     std::span<ImageRgb32f> maps, const Progress& progress) override
+    {
+        return traceRadianceAround({paths_, settings_, lightmaps, rays}, position, maps, progress, rays_);
     }
 
     Status specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,

@@ -15,12 +15,12 @@ namespace halflight {
 struct RadianceSources {
     const PathTracer& paths;
     const IntegrationSettings& settings;
-    std::span<const ImageRgb32f> lightmap; ///< irradiance by page, lux
+    std::span<const std::span<const ImageRgb32f>> lightmaps; ///< irradiance by page, lux: of all light; or by component
     int raysPerTexel = 1;
 };
-/// As Integrator::radianceAround().
-Status traceRadianceAround(const RadianceSources& sources, vec3 position, ImageRgb32f& map, const Progress& progress,
-                           std::atomic<uint64_t>& rays);
+/// As Integrator::radianceAround(), with one map; or as radianceAroundByComponent().
+Status traceRadianceAround(const RadianceSources& sources, vec3 position, std::span<ImageRgb32f> maps,
+                           const Progress& progress, std::atomic<uint64_t>& rays);
 
 /// As Integrator::specularLight().
 Status traceSpecularLight(const PathTracer& paths, const IntegrationSettings& settings,

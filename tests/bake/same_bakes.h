@@ -9,7 +9,7 @@
 
 namespace halflight::test {
 
-/// Lightmaps, masks, light probes and reflection probes.
+/// Lightmaps, masks, light probes, light groups and reflection probes.
 inline void expectSameBakes(const BakedScene& a, const BakedScene& b)
 {
     ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
@@ -21,6 +21,17 @@ inline void expectSameBakes(const BakedScene& a, const BakedScene& b)
     for (std::size_t i = 0; i < a.probes.probes.size(); ++i) {
         EXPECT_EQ(a.probes.probes[i].radiance, b.probes.probes[i].radiance);
         EXPECT_EQ(a.probes.probes[i].occlusion, b.probes.probes[i].occlusion);
+    }
+    ASSERT_EQ(a.groups.size(), b.groups.size());
+    for (std::size_t g = 0; g < a.groups.size(); ++g) {
+        EXPECT_EQ(a.groups[g].unitLux, b.groups[g].unitLux);
+        ASSERT_EQ(a.groups[g].lightmaps.size(), b.groups[g].lightmaps.size());
+        for (std::size_t i = 0; i < a.groups[g].lightmaps.size(); ++i)
+            EXPECT_EQ(a.groups[g].lightmaps[i].texels(), b.groups[g].lightmaps[i].texels());
+        ASSERT_EQ(a.groups[g].directions.size(), b.groups[g].directions.size());
+        for (std::size_t i = 0; i < a.groups[g].directions.size(); ++i)
+            EXPECT_EQ(a.groups[g].directions[i].texels(), b.groups[g].directions[i].texels());
+        EXPECT_EQ(a.groups[g].radiance, b.groups[g].radiance);
     }
     EXPECT_EQ(a.reflections.probes.size(), b.reflections.probes.size());
     EXPECT_EQ(a.reflections.picture.texels(), b.reflections.picture.texels());

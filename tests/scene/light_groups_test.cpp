@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
+
 namespace halflight::light_groups_test {
 namespace {
 
@@ -66,6 +68,52 @@ TEST(LightGroupsS33, ASettingsFileIsStronger)
     EXPECT_EQ(groupOf(*scene, "second"), "room 1");
 }
 
+TEST(SkyChangesS34, TheSceneOrASettingsFileSaysSo)
+{
+    const TemporaryFolder folder;
+    GltfBuilder file = rooms();
+    file.json["scenes"][0]["extras"] = {{"halflight_sky", 2}, {"halflight_sky_changes", 1}};
+    const auto scene = readScene(file.write(folder));
+    ASSERT_TRUE(scene) << scene.error().text();
+    EXPECT_TRUE(scene->sky.changes);
+    writeText(folder / "s.toml", "[sky]\nchanges = false\n");
+    ReadOptions options;
+    options.settingsFile = folder / "s.toml";
+    EXPECT_FALSE(readScene(file.write(folder), options)->sky.changes);
+    file.json["scenes"][0]["extras"]["halflight_sky_changes"] = "often";
+    EXPECT_THAT(readScene(file.write(folder)).error().text(), HasSubstr("halflight_sky_changes must be"));
+}
+
+TEST(SkyChangesS34, AGradientIsThreeGroupsAndAPictureIsOne)
+{
+    Scene scene;
+    scene.sky = Sky{vec3(2, 4, 8), vec3(0), vec3(1)};
+    scene.sky.changes = true;
+    scene.sky.group = "day";
+    const Scene before = scene;
+    auto grouping = groupLights(scene, GroupChoice::Authored);
+    ASSERT_TRUE(grouping);
+    ASSERT_EQ(grouping->groups.size(), 3u);
+    EXPECT_THAT(scene.warnings, Contains(HasSubstr("no member of the light group \"day\"")));
+    for (std::size_t part = 0; part < 3; ++part) EXPECT_EQ(grouping->groups[part].name, kSkyParts[part]);
+    EXPECT_EQ(grouping->ofSky, (std::array{0, 1, 2}));
+    EXPECT_EQ(grouping->groups[0].weight / grouping->groups[0].finished, vec3(2, 4, 8)) << "its radiance, cd/m2";
+    EXPECT_EQ(grouping->groups[1].weight, vec3(0)) << "black";
+    grouping->exchange(scene);
+    EXPECT_EQ(scene.sky.zenith, vec3(8)) << "as bright as it is";
+    EXPECT_EQ(scene.sky.horizon, vec3(1)) << "a black part shines in its bake";
+    grouping->exchange(scene);
+    EXPECT_EQ(scene.sky.zenith, before.sky.zenith);
+
+    EXPECT_TRUE(groupLights(scene, GroupChoice::Off)->groups.empty());
+    EXPECT_EQ(groupLights(scene, GroupChoice::Each)->groups.size(), 3u);
+    scene.sky.setPicture(std::make_shared<const ImageRgb32f>(8, 4), 0.0f);
+    grouping = groupLights(scene, GroupChoice::Authored);
+    ASSERT_EQ(grouping->groups.size(), 1u);
+    EXPECT_EQ(grouping->groups[0].name, kSkyPictureGroup);
+    EXPECT_EQ(grouping->groups[0].weight, vec3(1));
+}
+
 TEST(LightGroupsS33, NamesOfTheSkysPartsAreKept)
 {
     for (const Json& name : {Json("sky.zenith"), Json(""), Json(3), Json(std::string(65, 'a')), Json("a\nb")}) {
@@ -106,7 +154,7 @@ TEST(LightGroupsS33, AGroupIsBakedInWhiteAndTheWeightIsItsColour)
     EXPECT_EQ(grouping->groups[0].weight, vec3(0.5f, 0.4f, 0));
     EXPECT_EQ(grouping->groups[1].weight, vec3(0)) << "a lamp that is off";
     EXPECT_EQ(grouping->ofLight, (std::vector<int>{0, 0, -1, 1, -1}));
-    EXPECT_EQ(grouping->ofSky, 2);
+    EXPECT_EQ(grouping->ofSky, (std::array{2, 2, 2}));
     grouping->exchange(scene);
     EXPECT_EQ(scene.lights[0].color, vec3(1, 0.5f, 1)) << "1 where the group is black";
     EXPECT_EQ(scene.lights[1].color, vec3(0.5f, 1, 1));

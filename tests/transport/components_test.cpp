@@ -49,7 +49,7 @@ Scene only(int component)
         if (components.ofLight[i] != component) scene.lights[i].intensity = 0.0f;
     for (std::size_t i = 0; i < scene.materials.size(); ++i)
         if (components.ofMaterial[i] != component) scene.materials[i].emissiveNits = vec3(0.0f);
-    if (components.ofSky != component) scene.sky = {};
+    if (components.ofSky[0] != component) scene.sky = {};
     return scene;
 }
 

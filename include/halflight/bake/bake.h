@@ -76,9 +76,8 @@ struct BakeSettings {
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
     ProbeLayout probeLayout = ProbeLayout::Refined;
     bool reflectionProbes = true;
-    /// Light groups (spec S33). Bakes with a cache and subtractive bakes have none.
-    GroupChoice groups = GroupChoice::Authored;
-    int threads = 0; ///< 0 = all cores; changes no byte of the result
+    GroupChoice groups = GroupChoice::Authored; ///< light groups (spec S33)
+    int threads = 0;                            ///< 0 = all cores; changes no byte of the result
     uint32_t seed = 1;
     /// Directory for every stage's result (lightmap_N.exr, shadowmask_N.png, probes.json, …); empty = none.
     std::filesystem::path imagesDirectory;
@@ -208,10 +207,6 @@ struct BakeResult {
 
 /// The warning for tiles that could not be written to the cache.
 std::string cacheWarning(const std::filesystem::path& folder, const Error& error);
-
-/// Whether bakes with these settings can have the scene's light groups. InvalidArgument says why not. Adds the warnings
-/// of groupLights() to the scene's.
-Status checkLightGroups(Scene& scene, const BakeSettings& settings);
 
 /// Runs the whole bake. `integratorFactory` makes its integrator (embreeIntegrators() of bake_cpu, say). Errors:
 /// those of unwrap() and of the integrator, Cancelled, and Unsupported for a denoiser that the build lacks.

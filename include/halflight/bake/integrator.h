@@ -7,6 +7,7 @@
 #include "halflight/base/result.h"
 #include "halflight/scene/baked_scene.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -114,7 +115,7 @@ struct LightComponents {
     int count = 0;               ///< 0: light is estimated as one
     std::vector<int> ofLight;    ///< by Scene::lights
     std::vector<int> ofMaterial; ///< by Scene::materials: of emission
-    int ofSky = 0;
+    std::array<int, 3> ofSky{};  ///< zenith, horizon and ground of a gradient; all the same for a picture
 };
 
 struct IntegrationSettings {
@@ -256,6 +257,11 @@ public:
     /// `rays` rays over its square of octahedronFromDirection() in shading/reflection.h.
     virtual Status radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
                                   const Progress& progress) = 0;
+
+    /// The same of each component: maps[c], all of one size, with the pages of `lightmaps`[c]. Unsupported by
+    /// integrators without components.
+    virtual Status radianceAroundByComponent(vec3 position, std::span<const std::span<const ImageRgb32f>> lightmaps,
+                                             int rays, std::span<ImageRgb32f> maps, const Progress& progress);
 
     /// Estimates for sides of surfaces before there are texels, with `paths` paths for irradiance (0 = none) and
     /// `walks` random walks. `eyes`: places that one looks from, such as cameras and lights.

@@ -85,10 +85,15 @@ struct BakedGroup {
     bool sky = false;     ///< the sky is a member
     float peakLux = 0.0f; ///< of the brightest channel of a texel
     float unitLux = 1.0f;
+    bool direct = true; ///< some of its light is direct; false: all has been reflected, and varies little
     /// As BakedScene::lightmaps, in units of `unitLux`, and lightmapDirections; pages without light have no texels.
     std::vector<Image<uint32_t>> lightmaps;
     std::vector<ImageRgba8> directions;
     std::vector<SphericalHarmonicsL2> radiance; ///< by probe
+    vec3 shadowColor{0.0f};                     ///< as BakedScene::defaultShadowColor, of the group's light
+    /// Tiles of the bake's reflection probes with the group's light alone; `probes` is empty. Size 0: the group has
+    /// less than 1 % of their light, and BakedScene::reflections holds it at the saved weight.
+    ReflectionSet reflections;
 };
 
 /// Result of a bake and input of the renderer.
@@ -113,12 +118,12 @@ struct BakedScene {
     std::vector<ImageRgba8> shadowmasks;
     std::array<MaskChannel, kMostMaskLayers * kLayerChannels> maskChannels{};
     /// Lower limit of subtractive shadows that the bake chose, irradiance in lux (spec S23): the light where the main
-    /// light is shadowed. Counts where the author asks for none.
+    /// light is shadowed. Counts where the author asks for none. In bakes with groups it is the rest's.
     vec3 defaultShadowColor{0.0f};
     ProbeSet probes;
     ReflectionSet reflections;
-    /// Groups whose light is not in lightmaps and probes, which then hold the rest. The reflection probes have all
-    /// light at the weights of the bake. composeGroups() adds them.
+    /// Groups whose light is not in lightmaps and probes, which then hold the rest; nor in reflections, where the group
+    /// has tiles. composeGroups() adds them.
     std::vector<BakedGroup> groups;
     /// What a tool dropped of the bake since it was written, as phrases; scene.warnings has them as sentences.
     std::vector<std::string> lost;
@@ -130,10 +135,14 @@ int maskLayersOf(const Scene& scene);
 /// Of the mask's pictures; zero where none has texels.
 ivec2 maskPageSize(const BakedScene& baked);
 
-/// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's.
+/// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's, with the groups at their saved
+/// weights.
 inline vec3 subtractiveShadowColor(const BakedScene& baked)
 {
-    return baked.scene.subtractiveShadowColor.value_or(baked.defaultShadowColor);
+    if (baked.scene.subtractiveShadowColor) return *baked.scene.subtractiveShadowColor;
+    vec3 color = baked.defaultShadowColor;
+    for (const BakedGroup& group : baked.groups) color += group.weight * group.shadowColor;
+    return color;
 }
 
 } // namespace halflight

@@ -4,6 +4,7 @@
 #include "halflight/base/result.h"
 #include "halflight/scene/scene.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -24,10 +25,20 @@ enum class GroupChoice { Authored, Each, Off };
 /// As --groups has it: "authored", "each", "off".
 const char* nameOf(GroupChoice choice);
 
+/// Groups of a sky that changes (spec S34). Weights of a gradient's colours are their radiances in cd/m2. A picture is
+/// one group.
+constexpr std::array<const char*, 3> kSkyParts = {"sky.zenith", "sky.horizon", "sky.ground"};
+constexpr const char* kSkyPictureGroup = "sky.picture";
+/// The colour of a gradient that a group of that name is; null for other names.
+vec3* skyPartOf(Sky& sky, std::string_view group);
+
 struct LightGroup {
     std::string name;
     /// By channel, what the group's light is multiplied by. In a bake, that of the lights as they are in the scene.
     vec3 weight{1.0f};
+    /// What white light of the finished bake is over that which is baked: parts of the sky are baked as bright as they
+    /// are, so that samples go where light is.
+    float finished = 1.0f;
 };
 
 /// Which group each source of light belongs to, and its white light. A group is baked in white: colours are over the
@@ -35,9 +46,9 @@ struct LightGroup {
 /// that is all dark has the weight 0, and its members the intensity 1.
 struct LightGrouping {
     std::vector<LightGroup> groups;
-    std::vector<int> ofLight;    ///< by Scene::lights; -1 = the rest
-    std::vector<int> ofMaterial; ///< by Scene::materials
-    int ofSky = -1;
+    std::vector<int> ofLight;             ///< by Scene::lights; -1 = the rest
+    std::vector<int> ofMaterial;          ///< by Scene::materials
+    std::array<int, 3> ofSky{-1, -1, -1}; ///< zenith, horizon and ground; of pictures all the same
 
     struct LightValue {
         vec3 color{1.0f};

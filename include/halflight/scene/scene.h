@@ -256,6 +256,7 @@ struct Sky {
     float rotationRadians = 0.0f; ///< of the picture about +Y, by the right-hand rule
     bool pictureOfBake = false;   ///< the picture is the small one that an earlier bake kept in the file
     std::string group;            ///< light group (light_groups.h); empty = none
+    bool changes = false;         ///< bakes keep its parts as light groups (spec S34)
 
     /// A picture with finite values of 0 and more, at least one texel.
     void setPicture(std::shared_ptr<const ImageRgb32f> radiance, float rotation);

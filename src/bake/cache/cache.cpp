@@ -180,7 +180,7 @@ Status BakeCache::runParts(const Work<Value, Check>& work, std::span<const std::
         if (Status s = group.compute(compares_, partOf(progress, compared, end)); !s) return s;
         if (Status s = group.computeChosen(partOf(progress, compared, end)); !s) return s;
         if (!group.write(tiles()) && parts_.isShared()) return tiles().status();
-        if (!out.empty()) group.merge(out);
+        group.merge(out);
         counts_.tiles += group.size();
         counts_.same += group.count(TileState::Own);
         counts_.unchanged += group.count(TileState::Unchanged);

@@ -77,13 +77,15 @@ public:
     static Result<BakeCache> openKeeping(const std::filesystem::path& folder, Hash128 bake, Hash128 layout,
                                          Hash128 chosen);
 
-    /// One kind of work. `out` has one entry per item. Errors are those of the work's own functions, and write nothing.
+    /// One kind of work. `out` has the values of all items. Errors are those of the work's own functions, and write
+    /// nothing.
     template<typename Value, typename Check> struct Work {
         std::string stage;             ///< names the parts
         const char* progressName = ""; ///< names the stage in progress
         std::size_t count = 0;
         std::size_t tileSize = 0;
         std::size_t tilesPerPart = 1;
+        std::size_t perItem = 1; ///< values, and check samples, of an item; one after another in all lists
         /// Hash of the surface or the positions of a tile.
         std::function<Hash128(std::size_t firstItem, std::size_t itemCount)> surface;
         /// By item, in a bake of some objects: 1 = computed, 0 = kept, whatever its surface is now. Empty: tiles with
@@ -96,6 +98,8 @@ public:
         std::function<Status(std::span<const uint32_t> items, std::span<Check> out, const Progress&)> check;
         /// Whether the check samples of a tile differ between the old and the new scene.
         std::function<bool(std::span<const Check> before, std::span<const Check> now)> changed;
+        /// If given, receives the values of tiles in place of a list.
+        std::function<void(std::size_t firstItem, std::span<const Value> values)> take;
     };
     /// Has the values of all tiles, from the cache or computed, and keeps them. In a shared folder the work is shared
     /// with other processes, part by part. Finished parts stay in the cache after an error. That parts cannot be

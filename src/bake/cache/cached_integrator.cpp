@@ -28,6 +28,59 @@ bool differ(double difference, double before)
     return !(difference <= kCheckTolerance * before); // NaN differs
 }
 
+/// Check samples of luminance, of which items have `perItem` each: of all light and of each component. Each must agree
+/// by itself, as a group may be seen alone.
+bool luminanceDiffers(std::span<const float> before, std::span<const float> now, std::size_t perItem)
+{
+    for (std::size_t c = 0; c < perItem; ++c) {
+        double difference = 0.0;
+        double sum = 0.0;
+        for (std::size_t i = c; i < before.size(); i += perItem) {
+            difference += std::abs(double(now[i]) - double(before[i]));
+            sum += std::abs(double(before[i]));
+        }
+        if (differ(difference, sum)) return true;
+    }
+    return false;
+}
+
+bool probesDiffer(std::span<const ProbeEstimate> before, std::span<const ProbeEstimate> now)
+{
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (before[i].valid != now[i].valid || before[i].occlusion != now[i].occlusion) return true;
+        double difference = 0.0;
+        for (std::size_t k = 0; k < 9; ++k)
+            difference += double(glm::length(now[i].radiance[k] - before[i].radiance[k]));
+        if (differ(difference, double(glm::length(before[i].radiance[0])))) return true;
+    }
+    return false;
+}
+
+/// Which source is of which component. A bake of some objects keeps the others' tiles unchecked, so that components
+/// must mean the same.
+void addMembers(Hasher& hasher, const LightComponents& components, const Scene& scene)
+{
+    if (components.count == 0) return;
+    hasher.add(components.count);
+    for (const int part : components.ofSky) hasher.add(part);
+    const auto add = [&](int component, const std::string& name) {
+        if (component > 0) hasher.add(component).add(std::string_view(name));
+    };
+    for (std::size_t i = 0; i < components.ofLight.size(); ++i) add(components.ofLight[i], scene.lights[i].name);
+    for (std::size_t i = 0; i < components.ofMaterial.size(); ++i)
+        add(components.ofMaterial[i], scene.materials[i].name);
+}
+
+/// Puts each value of `all` before its components, which `out` has then by item.
+template<typename T> void interleave(std::span<const T> all, std::span<const T> components, std::span<T> out)
+{
+    const std::size_t count = all.empty() ? 0 : components.size() / all.size();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        out[i * (count + 1)] = all[i];
+        std::ranges::copy(components.subspan(i * count, count), out.begin() + std::ptrdiff_t(i * (count + 1) + 1));
+    }
+}
+
 Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size_t first, std::size_t count)
 {
     Hasher hasher;
@@ -78,7 +131,7 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     return hasher.add(seed).hash();
 }
 
-Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, MixedLightingMode mode)
+Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, MixedLightingMode mode, const Scene& scene)
 {
     Hasher hasher;
     hasher.add(kCacheVersion).add(int(mode)).add(settings.samples).add(settings.shadowSamples).add(settings.bounces);
@@ -91,6 +144,7 @@ Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, Mix
         .add(settings.seed);
     hasher.add(map.pageSize).add(map.pageCount);
     for (const Texel& texel : map.texels) hasher.add(texel.x).add(texel.y).add(texel.page);
+    addMembers(hasher, settings.components, scene);
     return hasher.hash();
 }
 
@@ -124,26 +178,21 @@ BakeCache::Work<IrradianceEstimate, float> CachedIntegrator::irradianceWork(Prep
     work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
     work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
     work.chosen = chosen;
+    work.perItem = 1 + componentCount();
     work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> values, const Progress& part) {
-        return lightmap.irradiance({items}, values, part);
+        return estimatesOf(lightmap, {items}, values, part);
     };
     const int samples = checkSamples(settings.samples);
     const int shadowSamples = checkSamples(settings.shadowSamples);
-    work.check = [&lightmap, samples, shadowSamples](std::span<const uint32_t> items, std::span<float> values,
-                                                     const Progress& part) -> Status {
-        std::vector<IrradianceEstimate> estimates(items.size());
-        if (Status s = lightmap.irradiance({items, samples, shadowSamples}, estimates, part); !s) return s;
-        for (std::size_t i = 0; i < items.size(); ++i) values[i] = luminance(estimates[i].irradiance);
+    work.check = [this, &lightmap, samples, shadowSamples](std::span<const uint32_t> items, std::span<float> values,
+                                                           const Progress& part) -> Status {
+        std::vector<IrradianceEstimate> estimates(values.size());
+        if (Status s = estimatesOf(lightmap, {items, samples, shadowSamples}, estimates, part); !s) return s;
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = luminance(estimates[i].irradiance);
         return {};
     };
-    work.changed = [](std::span<const float> before, std::span<const float> now) {
-        double difference = 0.0;
-        double sum = 0.0;
-        for (std::size_t i = 0; i < before.size(); ++i) {
-            difference += std::abs(double(now[i]) - double(before[i]));
-            sum += std::abs(double(before[i]));
-        }
-        return differ(difference, sum);
+    work.changed = [perItem = work.perItem](std::span<const float> before, std::span<const float> now) {
+        return luminanceDiffers(before, now, perItem);
     };
     return work;
 }
@@ -190,6 +239,34 @@ Status CachedIntegrator::irradiance(PreparedLightmap& lightmap, std::span<Irradi
     return cache->run(irradianceWork(lightmap), out, progress);
 }
 
+Status CachedIntegrator::estimatesOf(PreparedLightmap& lightmap, const TexelRequest& request,
+                                     std::span<IrradianceEstimate> out, const Progress& progress) const
+{
+    const std::size_t count = componentCount();
+    if (count == 0) return lightmap.irradiance(request, out, progress);
+    std::vector<IrradianceEstimate> all(request.texels.size());
+    std::vector<IrradianceEstimate> components(all.size() * count);
+    if (Status s = lightmap.irradianceByComponent(request, all, components, progress); !s) return s;
+    interleave<IrradianceEstimate>(all, components, out);
+    return {};
+}
+
+Status CachedIntegrator::irradianceByComponent(PreparedLightmap& lightmap, std::span<IrradianceEstimate> out,
+                                               std::span<IrradianceEstimate> components, const Progress& progress) const
+{
+    if (cache == nullptr)
+        return lightmap.irradianceByComponent({allIndices(map.texels.size())}, out, components, progress);
+    BakeCache::Work<IrradianceEstimate, float> work = irradianceWork(lightmap);
+    work.take = [&](std::size_t first, std::span<const IrradianceEstimate> values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const std::size_t texel = first + i / work.perItem;
+            const std::size_t c = i % work.perItem;
+            (c == 0 ? out[texel] : components[texel * componentCount() + c - 1]) = values[i];
+        }
+    };
+    return cache->run(work, {}, progress);
+}
+
 Status CachedIntegrator::irradianceOfParts(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
                                            std::span<IrradianceEstimate> out, const Progress& progress) const
 {
@@ -215,44 +292,66 @@ Status CachedIntegrator::fillShadowmasks(int layers, std::span<const std::size_t
     return {};
 }
 
-Status CachedIntegrator::probesByComponent(std::span<const vec3> positions, std::span<ProbeEstimate> out,
-                                           std::span<SphericalHarmonicsL2> components, const Progress& progress) const
+Status CachedIntegrator::estimatesOf(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                                     std::size_t components, std::span<ProbeEstimate> out,
+                                     const Progress& progress) const
 {
-    return integrator.probesByComponent(positions, allIndices(positions.size()), 0, out, components, progress);
+    if (components == 0) return integrator.probes(positions, which, samples, out, progress);
+    std::vector<ProbeEstimate> all(which.size());
+    std::vector<SphericalHarmonicsL2> light(all.size() * components);
+    if (Status s = integrator.probesByComponent(positions, which, samples, all, light, progress); !s) return s;
+    std::vector<ProbeEstimate> ofComponents;
+    for (const SphericalHarmonicsL2& radiance : light) ofComponents.push_back({radiance, {}, 0.0f, true});
+    interleave<ProbeEstimate>(all, ofComponents, out);
+    return {};
 }
 
 Status CachedIntegrator::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
                                 const Progress& progress) const
 {
-    if (cache == nullptr) return integrator.probes(positions, allIndices(positions.size()), 0, out, progress);
+    return probesByComponent(positions, out, {}, batch, progress);
+}
+
+Status CachedIntegrator::probesByComponent(std::span<const vec3> positions, std::span<ProbeEstimate> out,
+                                           std::span<SphericalHarmonicsL2> components, int batch,
+                                           const Progress& progress) const
+{
+    const std::vector<uint32_t> all = allIndices(positions.size());
+    if (cache == nullptr) {
+        return components.empty() ? integrator.probes(positions, all, 0, out, progress)
+                                  : integrator.probesByComponent(positions, all, 0, out, components, progress);
+    }
+    const std::size_t count = components.empty() ? 0 : componentCount();
     BakeCache::Work<ProbeEstimate, ProbeEstimate> work;
     work.stage = "probes" + std::to_string(batch);
     work.progressName = "probes";
     work.count = positions.size();
     work.tileSize = kProbeTile;
     work.tilesPerPart = kProbeTilesPerPart;
+    work.perItem = 1 + count;
     work.keeps = keepsMasks;
-    work.surface = [&](std::size_t first, std::size_t count) {
-        return Hasher().bytes(&positions[first], count * sizeof(vec3)).hash();
+    work.surface = [&](std::size_t first, std::size_t size) {
+        return Hasher().bytes(&positions[first], size * sizeof(vec3)).hash();
     };
     work.compute = [&](std::span<const uint32_t> items, std::span<ProbeEstimate> values, const Progress& part) {
-        return integrator.probes(positions, items, 0, values, part);
+        return estimatesOf(positions, items, 0, count, values, part);
     };
     const int samples = std::max(settings.probeSamples / 4, 16);
     work.check = [&](std::span<const uint32_t> items, std::span<ProbeEstimate> values, const Progress& part) {
-        return integrator.probes(positions, items, samples, values, part);
+        return estimatesOf(positions, items, samples, count, values, part);
     };
-    work.changed = [](std::span<const ProbeEstimate> before, std::span<const ProbeEstimate> now) {
-        for (std::size_t i = 0; i < before.size(); ++i) {
-            if (before[i].valid != now[i].valid || before[i].occlusion != now[i].occlusion) return true;
-            double difference = 0.0;
-            for (std::size_t k = 0; k < 9; ++k)
-                difference += double(glm::length(now[i].radiance[k] - before[i].radiance[k]));
-            if (differ(difference, double(glm::length(before[i].radiance[0])))) return true;
+    work.changed = probesDiffer;
+    work.take = [&](std::size_t first, std::span<const ProbeEstimate> values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const std::size_t item = first + i / work.perItem;
+            if (const std::size_t c = i % work.perItem; c == 0) {
+                out[item] = values[i];
+            } else {
+                components[item * count + c - 1] = values[i].radiance;
+            }
         }
-        return false;
     };
-    return cache->run(work, out, progress);
+    return cache->run(work, {}, progress);
 }
 
 } // namespace halflight

@@ -91,7 +91,7 @@ public:
                 if (states_[i] != TileState::Missing || found == records.end()) continue;
                 Record<Value, Check>& record = found->second;
                 const bool fits = !work_.chosen.empty() || record.header.surface == tiles_[i].header.surface;
-                const bool whole = fits && record.values.size() == tiling_.size(tiles_[i].header.tile) &&
+                const bool whole = fits && record.values.size() == valuesOf(tiles_[i].header.tile) &&
                                    (!needsChecks || record.checks.size() == record.values.size());
                 if (!whole) continue;
                 tiles_[i] = std::move(record);
@@ -105,7 +105,7 @@ public:
     {
         const std::vector<std::size_t> places = placesOf(TileState::Compare);
         if (places.empty()) return {};
-        std::vector<Check> now(itemCount(places));
+        std::vector<Check> now(valueCount(places));
         if (Status s = work_.check(items(places), now, progress); !s) return s;
         std::span<const Check> rest(now);
         for (const std::size_t i : places) {
@@ -134,8 +134,9 @@ public:
                 if (work_.chosen[first + k] != 0) chosen.push_back(uint32_t(first + k));
         }
         if (chosen.empty()) return {};
-        std::vector<Check> checks(chosen.size());
-        std::vector<Value> values(chosen.size());
+        const std::size_t n = work_.perItem;
+        std::vector<Check> checks(chosen.size() * n);
+        std::vector<Value> values(chosen.size() * n);
         if (Status s = work_.check(chosen, checks, Progress{{}, progress.cancel}); !s) return s;
         if (Status s = work_.compute(chosen, values, progress); !s) return s;
         std::size_t next = 0;
@@ -143,12 +144,15 @@ public:
             Record<Value, Check>& tile = tiles_[i];
             const std::size_t first = tiling_.first(tile.header.tile);
             const std::size_t before = next;
-            for (; next < chosen.size() && chosen[next] < first + tile.values.size(); ++next) {
-                tile.values[chosen[next] - first] = values[next];
-                if (tile.checks.size() == tile.values.size()) tile.checks[chosen[next] - first] = checks[next];
+            const std::size_t size = tiling_.size(tile.header.tile);
+            for (; next < chosen.size() && chosen[next] < first + size; ++next) {
+                const std::size_t to = (chosen[next] - first) * n;
+                std::copy_n(values.begin() + std::ptrdiff_t(next * n), n, tile.values.begin() + std::ptrdiff_t(to));
+                if (tile.checks.size() != tile.values.size()) continue;
+                std::copy_n(checks.begin() + std::ptrdiff_t(next * n), n, tile.checks.begin() + std::ptrdiff_t(to));
             }
             states_[i] = next > before ? TileState::Changed : TileState::Kept;
-            if (next == before + tile.values.size()) tile.header.surface = work_.surface(first, tile.values.size());
+            if (next == before + size) tile.header.surface = work_.surface(first, size);
         }
         return {};
     }
@@ -170,7 +174,7 @@ public:
     {
         std::vector<std::size_t> places = placesOf(TileState::Missing);
         if (withChecks && !places.empty()) {
-            std::vector<Check> checks(itemCount(places));
+            std::vector<Check> checks(valueCount(places));
             if (Status s = work_.check(items(places), checks, Progress{{}, progress.cancel}); !s) return s;
             distribute(places, std::span<const Check>(checks), &Record<Value, Check>::checks);
         }
@@ -178,7 +182,7 @@ public:
         places.insert(places.end(), changed.begin(), changed.end());
         std::sort(places.begin(), places.end());
         if (places.empty()) return {};
-        std::vector<Value> values(itemCount(places));
+        std::vector<Value> values(valueCount(places));
         if (Status s = work_.compute(items(places), values, progress); !s) return s;
         distribute(places, std::span<const Value>(values), &Record<Value, Check>::values);
         return {};
@@ -205,11 +209,17 @@ public:
         return written;
     }
 
+    /// Gives the values to Work::take, else to `out` unless it is empty.
     void merge(std::span<Value> out) const
     {
-        for (const Record<Value, Check>& tile : tiles_)
-            std::copy(tile.values.begin(), tile.values.end(),
-                      out.begin() + std::ptrdiff_t(tiling_.first(tile.header.tile)));
+        for (const Record<Value, Check>& tile : tiles_) {
+            const std::size_t first = tiling_.first(tile.header.tile);
+            if (work_.take) {
+                work_.take(first, tile.values);
+            } else if (!out.empty()) {
+                std::ranges::copy(tile.values, out.begin() + std::ptrdiff_t(first * work_.perItem));
+            }
+        }
     }
     [[nodiscard]] std::size_t count(TileState state) const { return placesOf(state).size(); }
     [[nodiscard]] std::size_t size() const { return tiles_.size(); }
@@ -233,17 +243,17 @@ private:
         for (const std::size_t i : places) tiles.push_back(tiles_[i].header.tile);
         return itemsOf(tiling_, tiles);
     }
-    [[nodiscard]] std::size_t itemCount(std::span<const std::size_t> places) const
+    [[nodiscard]] std::size_t valuesOf(std::size_t tile) const { return tiling_.size(tile) * work_.perItem; }
+    [[nodiscard]] std::size_t valueCount(std::span<const std::size_t> places) const
     {
-        return std::accumulate(places.begin(), places.end(), std::size_t(0), [&](std::size_t sum, std::size_t i) {
-            return sum + tiling_.size(tiles_[i].header.tile);
-        });
+        return std::accumulate(places.begin(), places.end(), std::size_t(0),
+                               [&](std::size_t sum, std::size_t i) { return sum + valuesOf(tiles_[i].header.tile); });
     }
     template<typename T> void distribute(std::span<const std::size_t> places, std::span<const T> all,
                                          std::vector<T> Record<Value, Check>::*member)
     {
         for (const std::size_t i : places) {
-            const auto own = all.first(tiling_.size(tiles_[i].header.tile));
+            const auto own = all.first(valuesOf(tiles_[i].header.tile));
             (tiles_[i].*member).assign(own.begin(), own.end());
             all = all.subspan(own.size());
         }

@@ -52,10 +52,12 @@ float quantile(std::vector<float>& values, float share)
 
 std::optional<MainLight> findMainLight(const Scene& scene)
 {
-    for (const Light& light : scene.lights) {
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
         if (light.baking.mixedMode != MixedLightingMode::Subtractive || light.baking.occlusionMaskChannel < 0) continue;
         MainLight main;
         main.name = light.name;
+        main.light = i;
         main.towardsLight = -light.direction();
         main.illuminance = light.color * light.intensity;
         main.shadowStrength = light.shadowStrength;

@@ -14,6 +14,7 @@ struct CachedIntegrator;
 
 struct MainLight {
     std::string name;
+    std::size_t light = 0;   ///< its place in Scene::lights
     vec3 towardsLight{0.0f}; ///< unit
     vec3 illuminance{0.0f};  ///< lux, on a surface perpendicular to it
     float shadowStrength = 1.0f;

@@ -54,7 +54,7 @@ public:
         if (components.empty() || ofComponents == nullptr)
             return cached_.probes(positions, estimates, batches_++, progress_);
         ofComponents->resize(positions.size() * components.size());
-        return cached_.probesByComponent(positions, estimates, *ofComponents, progress_);
+        return cached_.probesByComponent(positions, estimates, *ofComponents, batches_++, progress_);
     }
     Status add(const AddedProbes& added)
     {

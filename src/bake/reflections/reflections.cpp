@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 namespace halflight {
 namespace {
@@ -29,6 +30,8 @@ constexpr int kManyRays = 16;
 constexpr int kFewRays = kManyRays / 4;
 /// Texels across a candidate's picture, with few rays each: rough lobes are looked up in it, and there are a hundred.
 constexpr int kSmallTile = 48;
+/// Share of the pictures' light below which a light group has none of its own.
+constexpr double kLeastShare = 0.01;
 
 /// Boxes with a longer diagonal, in sizes of the scene, are of open places. Where roofs are their floor, walls below it
 /// would show the whole picture within a thin line.
@@ -41,17 +44,39 @@ float diagonalOf(const mat4& worldFromBox)
     return 2.0f * std::sqrt(glm::dot(axes[0], axes[0]) + glm::dot(axes[1], axes[1]) + glm::dot(axes[2], axes[2]));
 }
 
+/// One below the other, as RGB9E5. The tiles are of one size, and at least one.
+void encodeTiles(std::span<const ImageRgb32f> tiles, ReflectionSet& set)
+{
+    set.size = tiles[0].width();
+    ImageRgb32f picture(set.size, tiles[0].height() * int(tiles.size()));
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+        std::ranges::copy(tiles[i].texels(), picture.texels().begin() + std::ptrdiff_t(i * tiles[i].texelCount()));
+    set.unitNits = rgb9e5Unit(picture);
+    set.picture = encodeRgb9e5(picture, set.unitNits);
+}
+
+/// Of a light group's tiles: half as wide, where a tile may be.
+int groupTileSize(int size)
+{
+    return std::max(size / 2 / 16 * 16, 32);
+}
+
+void addTimes(vec3 weight, const ImageRgb32f& from, ImageRgb32f& to)
+{
+    for (std::size_t i = 0; i < to.texelCount(); ++i) to.data()[i] += weight * from.data()[i];
+}
+
 class ReflectionStage {
 public:
-    ReflectionStage(BakedScene& baked, const CachedIntegrator& cached, std::span<const ImageRgb32f> lightmap,
-                    const Progress& progress)
-        : baked_(baked), cached_(cached), lightmap_(lightmap), progress_(progress),
+    ReflectionStage(BakedScene& baked, const CachedIntegrator& cached, const LightmapPages& lightmap,
+                    const ComponentLight& components, const Progress& progress)
+        : baked_(baked), cached_(cached), lightmap_(lightmap), components_(components), progress_(progress),
           sceneSize_(glm::length(baked.scene.bounds(true).size()))
     {}
 
     Status run(int size, std::vector<std::string>& warnings)
     {
-        auto points = specularPoints(cached_, {lightmap_, baked_.lightmapDirections}, sceneSize_, progress_);
+        auto points = specularPoints(cached_, lightmap_, sceneSize_, progress_);
         if (!points) return points.error();
         std::vector<ReflectionProbe> probes = authoredProbes(baked_.scene, warnings);
         for (ReflectionProbe& probe : probes) probe.fadeMeters = reflectionFade(probe.worldFromBox, sceneSize_);
@@ -61,15 +86,11 @@ public:
         ReflectionSet set;
         set.size = tileSize(size, probes.size());
         std::vector<ImageRgb32f> tiles;
-        if (Status s = takePictures(probes, set.size, kManyRays, tiles); !s) return s;
-        const int height = shading::reflectionTileHeight(set.size);
-        ImageRgb32f picture(set.size, height * int(probes.size()));
-        for (std::size_t i = 0; i < tiles.size(); ++i)
-            std::copy(tiles[i].texels().begin(), tiles[i].texels().end(),
-                      picture.texels().begin() + std::ptrdiff_t(i * tiles[i].texelCount()));
+        const Status taken = components_.lightmaps.empty() ? takePictures(probes, set.size, kManyRays, tiles)
+                                                           : takeByComponent(probes, tiles, set);
+        if (!taken) return taken;
+        if (components_.lightmaps.empty()) encodeTiles(tiles, set);
         putTrust(cached_, trustOf(*points, picturesOf(probes, tiles)), points->size(), baked_.lightmapDirections);
-        set.unitNits = rgb9e5Unit(picture);
-        set.picture = encodeRgb9e5(picture, set.unitNits);
         set.probes = std::move(probes);
         baked_.reflections = std::move(set);
         return {};
@@ -119,11 +140,68 @@ private:
             probes = std::move(*placed);
         return {};
     }
+    /// Calls take(maps) with the light of each component around each probe, `size` texels across.
+    template<typename Take>
+    Status forMapsOf(std::span<const ReflectionProbe> probes, int size, double begin, double end, const Take& take)
+    {
+        for (std::size_t i = 0; i < probes.size(); ++i) {
+            std::vector<ImageRgb32f> maps(components_.lightmaps.size(), ImageRgb32f(size, size));
+            if (Status s = cached_.integrator.radianceAroundByComponent(probes[i].position, components_.lightmaps,
+                                                                        kManyRays, maps, progress_);
+                !s)
+                return s;
+            take(maps);
+            progress_("reflection probes", begin + (end - begin) * double(i + 1) / double(probes.size()));
+        }
+        return {};
+    }
+    /// Pictures of light groups. What is left goes into the bake's: the rest, and dim groups at their weights. `all`
+    /// receives tiles of all light.
+    Status takeByComponent(std::span<const ReflectionProbe> probes, std::vector<ImageRgb32f>& all, ReflectionSet& set)
+    {
+        const std::size_t count = components_.lightmaps.size();
+        std::vector<std::vector<ImageRgb32f>> ofGroups(count);
+        std::vector<double> light(count, 0.0);
+        const auto takeSmall = [&](const std::vector<ImageRgb32f>& maps) {
+            for (std::size_t c = 0; c < count; ++c) {
+                for (const vec3 texel : maps[c].texels()) light[c] += double(luminance(texel));
+                if (c > 0) ofGroups[c].push_back(reflectionTile(maps[c]));
+            }
+        };
+        if (Status s = forMapsOf(probes, groupTileSize(set.size) - 2, 0.0, 0.2, takeSmall); !s) return s;
+        const double sum = std::accumulate(light.begin(), light.end(), 0.0);
+        std::vector<vec3> weights(count, vec3(0.0f)); // in the bake's own picture
+        weights[0] = vec3(1.0f);
+        for (std::size_t c = 1; c < count; ++c) {
+            BakedGroup& group = baked_.groups[c - 1];
+            if (light[c] < kLeastShare * sum || light[c] == 0.0) {
+                weights[c] = group.weight;
+            } else {
+                encodeTiles(ofGroups[c], group.reflections);
+            }
+        }
+        std::vector<ImageRgb32f> own;
+        const auto takeWhole = [&](const std::vector<ImageRgb32f>& maps) {
+            ImageRgb32f whole(maps[0].width(), maps[0].height());
+            ImageRgb32f left = whole;
+            for (std::size_t c = 0; c < count; ++c) {
+                addTimes(vec3(1.0f), maps[c], whole);
+                addTimes(weights[c], maps[c], left);
+            }
+            all.push_back(reflectionTile(whole));
+            own.push_back(reflectionTile(left));
+        };
+        if (Status s = forMapsOf(probes, set.size - 2, 0.2, 1.0, takeWhole); !s) return s;
+        encodeTiles(own, set);
+        return {};
+    }
     Status takePictures(std::span<const ReflectionProbe> probes, int size, int rays, std::vector<ImageRgb32f>& tiles)
     {
         for (const ReflectionProbe& probe : probes) {
             ImageRgb32f around(size - 2, size - 2);
-            if (Status s = cached_.integrator.radianceAround(probe.position, lightmap_, rays, around, progress_); !s)
+            if (Status s =
+                    cached_.integrator.radianceAround(probe.position, lightmap_.irradiance, rays, around, progress_);
+                !s)
                 return s;
             tiles.push_back(reflectionTile(around));
             progress_("reflection probes", double(tiles.size()) / double(probes.size()));
@@ -133,7 +211,8 @@ private:
 
     BakedScene& baked_;
     const CachedIntegrator& cached_;
-    std::span<const ImageRgb32f> lightmap_;
+    const LightmapPages& lightmap_; ///< of all light
+    const ComponentLight& components_;
     const Progress& progress_;
     float sceneSize_;
 };
@@ -146,11 +225,12 @@ float reflectionFade(const mat4& worldFromBox, float sceneSizeMeters)
     return kFadeShare * std::min(diagonalOf(worldFromBox), sceneSizeMeters);
 }
 
-Status bakeReflections(BakedScene& baked, const CachedIntegrator& cached, std::span<const ImageRgb32f> lightmap,
-                       int size, std::vector<std::string>& warnings, const Progress& progress)
+Status bakeReflections(BakedScene& baked, const CachedIntegrator& cached, const LightmapPages& lightmap,
+                       const ComponentLight& components, int size, std::vector<std::string>& warnings,
+                       const Progress& progress)
 {
     progress("reflection probes", 0.0);
-    return ReflectionStage(baked, cached, lightmap, progress).run(size, warnings);
+    return ReflectionStage(baked, cached, lightmap, components, progress).run(size, warnings);
 }
 
 } // namespace halflight

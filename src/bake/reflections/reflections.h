@@ -11,6 +11,12 @@
 namespace halflight {
 
 struct CachedIntegrator;
+struct LightmapPages;
+
+/// Pages of each component in bakes with light groups, lux by page; empty in others.
+struct ComponentLight {
+    std::vector<std::span<const ImageRgb32f>> lightmaps;
+};
 
 /// Reflection probes where people look: the fewest places from which nearly all light probes are seen. Each has the box
 /// that predicts best how far its surroundings are. Small boxes come first.
@@ -35,9 +41,11 @@ float reflectionFade(const mat4& worldFromBox, float sceneSizeMeters);
 ImageRgb32f reflectionTile(const ImageRgb32f& around);
 
 /// Reflection probes at the scene's own boxes, or where they bring what lightmapped surfaces reflect nearest to the
-/// truth; none in a scene without light probes. `lightmap`: irradiance by page, lux. Writes how far texels trust the
-/// probes into lightmapDirections. `size`: of a tile, if probes are few.
-Status bakeReflections(BakedScene& baked, const CachedIntegrator& cached, std::span<const ImageRgb32f> lightmap,
-                       int size, std::vector<std::string>& warnings, const Progress& progress);
+/// truth; none in a scene without light probes. `lightmap`: of all light. Writes how far texels trust the probes into
+/// lightmapDirections. `size`: of a tile, if probes are few. With `components` the pictures of light groups are by
+/// themselves.
+Status bakeReflections(BakedScene& baked, const CachedIntegrator& cached, const LightmapPages& lightmap,
+                       const ComponentLight& components, int size, std::vector<std::string>& warnings,
+                       const Progress& progress);
 
 } // namespace halflight

@@ -5,6 +5,7 @@
 #include "halflight/scene/light_groups.h"
 #include "halflight/shading/color.h"
 #include "halflight/shading/directional.h"
+#include "render/frame/compose_reflections.h"
 
 #include <algorithm>
 
@@ -104,12 +105,27 @@ void composeSources(BakedScene& baked, const std::vector<vec3>& weights)
     }
     for (std::size_t g = 0; g < baked.groups.size(); ++g) {
         if (!baked.groups[g].sky || !isChanged(int(g))) continue;
+        if (vec3* part = skyPartOf(baked.scene.sky, baked.groups[g].name)) {
+            *part = weights[g];
+            continue;
+        }
         const vec3 saved = baked.groups[g].weight;
         vec3 factor(0.0f); // a sky that is black in a channel stays so
         for (int c = 0; c < 3; ++c)
             if (saved[c] > 0.0f) factor[c] = weights[g][c] / saved[c];
         baked.scene.sky = scaledSky(baked.scene.sky, factor);
     }
+}
+
+Error noGroup(const BakedScene& baked, const std::string& name)
+{
+    std::string names;
+    for (const BakedGroup& other : baked.groups) names += (names.empty() ? "" : ", ") + other.name;
+    const bool ofSky = name == "sky" || name.starts_with("sky.");
+    return {ErrorCode::InvalidArgument,
+            "has no light group \"" + name + "\"" + (names.empty() ? ", nor any other" : "; its groups are " + names) +
+                (ofSky ? ": give the scene halflight_sky_changes = 1, and bake it again" : ""),
+            ""};
 }
 
 } // namespace
@@ -119,16 +135,16 @@ Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vecto
     std::vector<vec3> weights;
     for (const BakedGroup& group : baked.groups) weights.push_back(group.weight);
     for (const GroupWeight& change : changes) {
-        const auto group = std::ranges::find(baked.groups, change.name, &BakedGroup::name);
-        if (group == baked.groups.end()) {
-            std::string names;
-            for (const BakedGroup& other : baked.groups) names += (names.empty() ? "" : ", ") + other.name;
-            return Error{ErrorCode::InvalidArgument,
-                         "has no light group \"" + change.name + "\"" +
-                             (names.empty() ? ", nor any other" : "; its groups are " + names),
-                         ""};
+        const auto isNamed = [&](const BakedGroup& group) { return group.name == change.name; };
+        // "sky" stands for all parts of a sky that changes.
+        const bool parts = change.name == "sky" && std::ranges::none_of(baked.groups, isNamed);
+        bool found = false;
+        for (std::size_t g = 0; g < baked.groups.size(); ++g) {
+            if (parts ? !baked.groups[g].name.starts_with("sky.") : !isNamed(baked.groups[g])) continue;
+            weights[g] = change.weight;
+            found = true;
         }
-        weights[std::size_t(group - baked.groups.begin())] = change.weight;
+        if (!found) return noGroup(baked, change.name);
     }
     return weights;
 }
@@ -137,6 +153,9 @@ void composeGroups(BakedScene& baked, const std::vector<vec3>& weights)
 {
     if (baked.groups.empty()) return;
     composePages(baked, weights);
+    composeReflections(baked, weights);
+    for (std::size_t g = 0; g < baked.groups.size(); ++g)
+        baked.defaultShadowColor += weights[g] * baked.groups[g].shadowColor;
     for (std::size_t g = 0; g < baked.groups.size(); ++g)
         for (std::size_t i = 0; i < baked.groups[g].radiance.size(); ++i)
             for (std::size_t k = 0; k < 9; ++k)

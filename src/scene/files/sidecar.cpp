@@ -14,12 +14,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace halflight {
 
 namespace {
 
 constexpr int kSidecarVersion = 1;
+constexpr int kGroupedVersion = 2; ///< with light groups: lightmaps and probes hold the rest alone
 constexpr std::size_t kNamesInWarning = 4;
 
 class SidecarWriter {
@@ -32,14 +34,21 @@ public:
     Status write(const std::string& file, std::vector<std::string>& warnings)
     {
         const Json& root = extensionOf(document_.json, "HALFLIGHT_mixed_lighting");
-        json_ = {{"version", kSidecarVersion}, {"generator", options_.write.generator}, {"file", file}};
+        const int version = baked_.groups.empty() ? kSidecarVersion : kGroupedVersion;
+        json_ = {{"version", version}, {"generator", options_.write.generator}, {"file", file}};
         for (const char* key : {"mode", "sky", "subtractiveShadowColor", "shadowmaskLayers", "shadowmaskChannels"}) {
             if (root.contains(key)) json_[key] = root[key];
         }
         if (Status s = sky(); !s) return s;
-        if (Status s = lightmaps(); !s) return s;
-        if (Status s = pictures("lightmapDirections", "lightmap_direction", baked_.lightmapDirections); !s) return s;
-        if (Status s = pictures("shadowmasks", "shadowmask", baked_.shadowmasks); !s) return s;
+        if (!baked_.lightmaps.empty()) {
+            auto pages = lightmaps({baked_.lightmaps, baked_.lightmapUnitLux, options_.write.irradiance}, "lightmap_");
+            if (!pages) return pages.error();
+            json_["lightmaps"] = std::move(*pages);
+        }
+        if (Status s = pictures("lightmapDirections", "lightmap_direction_", baked_.lightmapDirections, json_); !s)
+            return s;
+        if (Status s = pictures("shadowmasks", "shadowmask_", baked_.shadowmasks, json_); !s) return s;
+        if (Status s = groups(); !s) return s;
         findPaths();
         json_["objects"] = bindings("HALFLIGHT_node");
         json_["lights"] = bindings("HALFLIGHT_light");
@@ -74,51 +83,107 @@ private:
         return writeExrNamed(name, reducedSkyPicture(*sky.picture, options_.write.skyWidth));
     }
 
-    Status lightmaps()
+    struct LightPages {
+        const std::vector<Image<uint32_t>>& texels; ///< in units of `unitLux`
+        float unitLux = 1.0f;
+        std::span<const ImageRgb32f> irradiance; ///< lux: the same, or none
+    };
+    // Pages without texels are null.
+    Result<Json> lightmaps(const LightPages& light, const std::string& prefix)
     {
-        if (baked_.lightmaps.empty()) return {};
-        Json& json = json_["lightmaps"];
+        const auto nameOfPage = [&](std::size_t page, const char* extension) {
+            return prefix + std::to_string(page) + extension;
+        };
         if (!options_.format) {
-            json = {{"format", "exr"}, {"unitLux", 1}};
-            for (std::size_t i = 0; i < baked_.lightmaps.size(); ++i) {
-                const std::string name = "lightmap_" + std::to_string(i) + ".exr";
-                const bool inFloats = options_.write.irradiance.size() == baked_.lightmaps.size();
-                const Status written =
-                    inFloats ? writeExrNamed(name, options_.write.irradiance[i])
-                             : writeExrNamed(name, decodeRgb9e5(baked_.lightmaps[i], baked_.lightmapUnitLux));
-                if (!written) return written;
-                json["pages"].push_back(name);
+            Json json = {{"format", "exr"}, {"unitLux", 1}};
+            for (std::size_t i = 0; i < light.texels.size(); ++i) {
+                json["pages"].push_back(nullptr);
+                if (light.texels[i].empty()) continue;
+                const std::string name = nameOfPage(i, ".exr");
+                const bool inFloats = light.irradiance.size() == light.texels.size();
+                const Status written = inFloats ? writeExrNamed(name, light.irradiance[i])
+                                                : writeExrNamed(name, decodeRgb9e5(light.texels[i], light.unitLux));
+                if (!written) return written.error();
+                json["pages"].back() = name;
             }
-            return {};
+            return json;
         }
         WriteOptions write = options_.write;
         write.lightmapFormat = *options_.format;
-        const auto encoded = encodeLightmaps(baked_, write);
+        const auto encoded = encodePages(light.texels, light.unitLux, light.irradiance, write);
         if (!encoded) return encoded.error();
-        json = {{"format", nameOf(*options_.format)}, {"unitLux", baked_.lightmapUnitLux}};
+        Json json = {{"format", nameOf(*options_.format)}, {"unitLux", light.unitLux}};
         if (!encoded->encoding.is_null()) json["encoding"] = encoded->encoding;
         for (std::size_t i = 0; i < encoded->pages.size(); ++i) {
-            const std::string extension = *options_.format == LightmapFormat::Webp ? ".webp" : ".ktx2";
-            const std::string name = "lightmap_" + std::to_string(i) + extension;
-            if (Status s = writeNamed(name, encoded->pages[i]); !s) return s;
-            json["pages"].push_back(name);
+            json["pages"].push_back(nullptr);
+            if (encoded->pages[i].empty()) continue;
+            const std::string name = nameOfPage(i, *options_.format == LightmapFormat::Webp ? ".webp" : ".ktx2");
+            if (Status s = writeNamed(name, encoded->pages[i]); !s) return s.error();
+            json["pages"].back() = name;
+        }
+        return json;
+    }
+
+    Status pictures(const char* key, const std::string& prefix, const std::vector<ImageRgba8>& pages, Json& json)
+    {
+        for (std::size_t i = 0; i < pages.size(); ++i) {
+            json[key].push_back(nullptr); // a page whose lights light every texel, or none
+            if (pages[i].empty()) continue;
+            const std::string name = prefix + std::to_string(i) + ".png";
+            const auto write = [&](const std::filesystem::path& temporary) { return writePng(temporary, pages[i]); };
+            if (Status s = files_.add(folder_ / name, write); !s) return s;
+            json[key].back() = name;
         }
         return {};
     }
 
-    Status pictures(const char* key, const std::string& prefix, const std::vector<ImageRgba8>& pages)
+    // A group's name as part of a file's: letters, digits, '-' and '_' stay. No two groups have the same.
+    static std::string fileNameOf(const std::string& group, std::set<std::string>& taken)
     {
-        for (std::size_t i = 0; i < pages.size(); ++i) {
-            if (pages[i].empty()) { // of a mask layer whose lights light every texel
-                json_[key].push_back(nullptr);
-                continue;
-            }
-            const std::string name = prefix + "_" + std::to_string(i) + ".png";
-            const auto write = [&](const std::filesystem::path& temporary) { return writePng(temporary, pages[i]); };
-            if (Status s = files_.add(folder_ / name, write); !s) return s;
-            json_[key].push_back(name);
+        std::string name = group;
+        for (char& c : name)
+            if (!(c >= '0' && c <= '9') && !(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && c != '-') c = '_';
+        std::string free = name;
+        // File names of some systems do not tell capitals apart.
+        const auto lower = [](std::string text) {
+            for (char& c : text)
+                if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+            return text;
+        };
+        for (int n = 2; !taken.insert(lower(free)).second; ++n) free = name + "-" + std::to_string(n);
+        return free;
+    }
+
+    Status groups()
+    {
+        std::set<std::string> taken;
+        for (std::size_t g = 0; g < baked_.groups.size(); ++g) {
+            const BakedGroup& group = baked_.groups[g];
+            const std::string name = fileNameOf(group.name, taken);
+            const bool known = options_.write.groupIrradiance.size() == baked_.groups.size();
+            const auto irradiance = known ? std::span<const ImageRgb32f>(options_.write.groupIrradiance[g])
+                                          : std::span<const ImageRgb32f>();
+            Json json = {{"name", group.name}, {"weight", numbers(group.weight)}, {"materials", Json::array()}};
+            if (group.sky) json["sky"] = true;
+            for (const Material& material : baked_.scene.materials)
+                if (material.bakedGroup == int(g)) json["materials"].push_back(material.name);
+            if (group.shadowColor != vec3(0.0f)) json["shadowColor"] = numbers(group.shadowColor);
+            auto pages = lightmaps({group.lightmaps, group.unitLux, irradiance}, "lightmap_" + name + "_");
+            if (!pages) return pages.error();
+            json["lightmaps"] = std::move(*pages);
+            const std::string directions = "lightmap_direction_" + name + "_";
+            if (Status s = pictures("lightmapDirections", directions, group.directions, json); !s) return s;
+            for (const SphericalHarmonicsL2& probe : group.radiance) json["radiance"].push_back(coefficientsOf(probe));
+            json_["groups"].push_back(std::move(json));
         }
         return {};
+    }
+
+    static Json coefficientsOf(const SphericalHarmonicsL2& radiance)
+    {
+        Json coefficients = Json::array();
+        for (const vec3& c : radiance) coefficients.insert(coefficients.end(), {c.x, c.y, c.z});
+        return coefficients;
     }
 
     // The way to each node: places among the scene's nodes, then among children.
@@ -188,9 +253,7 @@ private:
         json = {{"positions", Json::array()}, {"radiance", Json::array()}, {"occlusion", Json::array()}};
         for (const Probe& probe : set.probes) {
             json["positions"].push_back(numbers(baked_.scene.originMeters + dvec3(probe.position)));
-            Json coefficients = Json::array();
-            for (const vec3& c : probe.radiance) coefficients.insert(coefficients.end(), {c.x, c.y, c.z});
-            json["radiance"].push_back(std::move(coefficients));
+            json["radiance"].push_back(coefficientsOf(probe.radiance));
             Json occlusion = Json::array();
             for (int c = 0; c < baked_.maskLayers * kLayerChannels; ++c) occlusion.push_back(probe.occlusion[c]);
             json["occlusion"].push_back(std::move(occlusion));

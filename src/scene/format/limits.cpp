@@ -110,6 +110,10 @@ Status checkGroups(const std::vector<BakedGroup>& groups, const std::string& pat
         if (!within(groups[g].weight, kWeight)) return invalid(place, "weight is not three numbers " + textOf(kWeight));
         if (!within(groups[g].unitLux, kLightmapUnit))
             return invalid(place, "lightmapUnitLux is not a number " + textOf(kLightmapUnit));
+        if (!within(groups[g].shadowColor, kShadowColor))
+            return invalid(place, "shadowColor is not three numbers " + textOf(kShadowColor));
+        if (!within(groups[g].reflections.unitNits, kReflectionUnit))
+            return invalid(place + "/reflections/unitNits", "is not a number " + textOf(kReflectionUnit));
         for (const SphericalHarmonicsL2& probe : groups[g].radiance)
             if (!std::all_of(probe.begin(), probe.end(), [](const vec3& c) { return within(c, kRadiance); }))
                 return invalid(place, "has radiance that is not " + textOf(kRadiance) + " cd/m2");

@@ -15,6 +15,8 @@ std::vector<Json> pictureReferences(const Json& root)
         for (const char* list : {"lightmaps", "lightmapDirections"})
             for (const Json& reference : member(group, list))
                 if (reference.contains("index")) references.push_back(reference);
+        if (const Json& picture = member(member(group, "reflections"), "picture"); picture.is_object())
+            references.push_back(picture);
     }
     if (const Json& picture = member(member(root, "sky"), "picture"); picture.is_object())
         references.push_back(picture);

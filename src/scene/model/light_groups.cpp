@@ -99,7 +99,23 @@ private:
             grouping_.ofMaterial[i] =
                 groupNamed(choice_ == GroupChoice::Each ? material.name : material.group, "material");
         }
-        if (choice_ == GroupChoice::Authored) grouping_.ofSky = groupNamed(scene_.sky.group, "sky");
+        if (scene_.sky.changes) {
+            addSkyParts();
+        } else if (choice_ == GroupChoice::Authored) {
+            grouping_.ofSky.fill(groupNamed(scene_.sky.group, "sky"));
+        }
+    }
+
+    void addSkyParts()
+    {
+        if (!scene_.sky.group.empty())
+            scene_.warnings.push_back("the sky changes, so that it is no member of the light group \"" +
+                                      scene_.sky.group + "\"");
+        for (std::size_t part = 0; part < kSkyParts.size(); ++part) {
+            if (!scene_.sky.picture || part == 0)
+                grouping_.groups.push_back({scene_.sky.picture ? kSkyPictureGroup : kSkyParts[part], vec3(0.0f)});
+            grouping_.ofSky[part] = int(grouping_.groups.size()) - 1;
+        }
     }
 
     /// Of the objects in the scene.
@@ -143,7 +159,7 @@ private:
             addTo(grouping_.ofLight[i], {scene_.lights[i].color, scene_.lights[i].intensity});
         for (std::size_t i = 0; i < scene_.materials.size(); ++i)
             addTo(grouping_.ofMaterial[i], memberOf(scene_.materials[i].emissiveNits));
-        addTo(grouping_.ofSky, memberOf(scene_.sky));
+        if (!skyHasParts()) addTo(grouping_.ofSky[0], memberOf(scene_.sky));
         for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
             Member light{scene_.lights[i].color, scene_.lights[i].intensity};
             if (const int group = grouping_.ofLight[i]; group >= 0) light = white[std::size_t(group)].of(light);
@@ -158,8 +174,28 @@ private:
             grouping_.emission.push_back(nits);
         }
         grouping_.sky = scene_.sky;
-        if (grouping_.ofSky >= 0) grouping_.sky = whiteSky(white[std::size_t(grouping_.ofSky)]);
+        if (skyHasParts()) {
+            makePartsWhite(white);
+        } else if (grouping_.ofSky[0] >= 0) {
+            grouping_.sky = whiteSky(white[std::size_t(grouping_.ofSky[0])]);
+        }
         for (std::size_t g = 0; g < white.size(); ++g) grouping_.groups[g].weight = white[g].weight();
+    }
+
+    [[nodiscard]] bool skyHasParts() const { return grouping_.ofSky[0] != grouping_.ofSky[1]; }
+
+    /// Each part is grey while it is baked, and 1 cd/m2 when the bake is finished.
+    void makePartsWhite(std::vector<White>& white)
+    {
+        for (std::size_t part = 0; part < kSkyParts.size(); ++part) {
+            const auto group = std::size_t(grouping_.ofSky[part]);
+            vec3& color = *skyPartOf(grouping_.sky, kSkyParts[part]);
+            const Member member = memberOf(color);
+            white[group].add(member);
+            const float nits = member.dark() ? 1.0f : member.intensity;
+            color = vec3(nits);
+            grouping_.groups[group].finished = 1.0f / nits;
+        }
     }
 
     [[nodiscard]] Sky whiteSky(const White& white) const
@@ -203,7 +239,7 @@ void LightGrouping::exchange(Scene& scene)
     }
     for (std::size_t i = 0; i < scene.materials.size(); ++i)
         if (ofMaterial[i] >= 0) std::swap(scene.materials[i].emissiveNits, emission[i]);
-    if (ofSky >= 0) std::swap(scene.sky, sky);
+    if (ofSky[0] >= 0) std::swap(scene.sky, sky);
 }
 
 Result<LightGrouping> groupLights(Scene& scene, GroupChoice choice)
@@ -252,6 +288,13 @@ void groupEmission(Scene& scene, const std::vector<std::string>& groups)
         }
         mesh = entry->second;
     }
+}
+
+vec3* skyPartOf(Sky& sky, std::string_view group)
+{
+    const std::array<vec3*, 3> colors = {&sky.zenith, &sky.horizon, &sky.ground};
+    const auto part = std::ranges::find(kSkyParts, group);
+    return part == kSkyParts.end() ? nullptr : colors[std::size_t(part - kSkyParts.begin())];
 }
 
 Sky scaledSky(const Sky& sky, vec3 factor)

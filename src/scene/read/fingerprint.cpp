@@ -126,6 +126,7 @@ Hash128 contentHash(const Scene& scene)
     for (const Light& light : scene.lights) hasher.add(std::string_view(light.group));
     for (const Material& material : scene.materials) hasher.add(std::string_view(material.group));
     hasher.add(std::string_view(scene.sky.group));
+    if (scene.sky.changes) hasher.add(1);
     hasher.add(scene.originMeters);
     hasher.add(int(scene.subtractiveShadowColor.has_value())).add(scene.subtractiveShadowColor.value_or(vec3(0.0f)));
     return hasher.add(scene.probePositions).add(scene.reflectionBoxes).hash();

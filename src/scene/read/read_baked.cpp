@@ -226,6 +226,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     auto reflections = readReflections(document, member(root, "reflectionProbes"), shift);
     if (!reflections) return reflections.error();
     baked.reflections = std::move(*reflections);
+    if (Status s = readGroupReflections(document, root, baked); !s) return s.error();
     if (Status s = readBindings(document, baked); !s) return s.error();
     if (Status s = checkBakedValues(baked); !s) return s.error();
     for (Probe& probe : baked.probes.probes) probe.occlusion = saturate(probe.occlusion);

@@ -3,6 +3,7 @@
 #include "halflight/scene/light_groups.h"
 #include "scene/format/bake_members.h"
 #include "scene/read/read_baked.h"
+#include "scene/read/read_reflections.h"
 
 #include <algorithm>
 
@@ -34,9 +35,13 @@ Status readGroups(const Json& root, BakedScene& baked)
         if (group.name.empty() || taken) return invalid(pathOfGroup(g), "has no name of its own");
         if (!readVector(member(groups[g], "weight"), group.weight))
             return invalid(pathOfGroup(g), "weight is not three numbers");
+        if (const Json& color = member(groups[g], "shadowColor");
+            !color.is_null() && !readVector(color, group.shadowColor))
+            return invalid(pathOfGroup(g), "shadowColor is not three numbers");
         const Json& peak = member(groups[g], "peak");
         group.peakLux = peak.is_number() ? peak.get<float>() : 0.0f;
         group.sky = member(groups[g], "sky") == true;
+        group.direct = !groups[g].contains("lightmapEncoding");
         baked.groups.push_back(std::move(group));
     }
     for (const Light& light : baked.scene.lights)
@@ -60,6 +65,19 @@ Status readGroupProbes(const SourceDocument& document, const Json& root, BakedSc
         if (!values) return values.error();
         baked.groups[g].radiance.resize(count);
         for (std::size_t i = 0; i < 9 * count; ++i) baked.groups[g].radiance[i / 9][i % 9] = (*values)[i];
+    }
+    return {};
+}
+
+Status readGroupReflections(const SourceDocument& document, const Json& root, BakedScene& baked)
+{
+    for (std::size_t g = 0; g < baked.groups.size(); ++g) {
+        const Json& json = member(root["groups"][g], "reflections");
+        if (json.is_null()) continue;
+        if (Status s = readReflectionPicture(document, json, baked.reflections.probes.size(),
+                                             pathOfGroup(g) + "/reflections", baked.groups[g].reflections);
+            !s)
+            return s;
     }
     return {};
 }

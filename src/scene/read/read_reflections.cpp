@@ -60,18 +60,31 @@ bool isBox(const mat4& worldFromBox)
     return true;
 }
 
+Status readReflectionPicture(const SourceDocument& document, const Json& json, std::size_t probes,
+                             const std::string& path, ReflectionSet& set)
+{
+    const Json& unit = member(json, "unitNits");
+    set.unitNits = unit.is_number() ? unit.get<float>() : 0.0f;
+    if (!(set.unitNits > 0.0f) || !std::isfinite(set.unitNits))
+        return invalid(path, "unitNits is not a number above 0");
+    const Json& size = member(json, "size");
+    set.size = size.is_number_unsigned() && size.get<uint64_t>() <= uint64_t(kMostTileTexels) ? size.get<int>() : 0;
+    if (set.size < kLeastTileTexels || set.size % 16 != 0)
+        return invalid(path, "size is not a multiple of 16 from 32 to 1024");
+    const auto bytes = pictureBytes(document, member(json, "picture"), path + "/picture");
+    if (!bytes) return bytes.error();
+    auto picture = decodeKtx2(*bytes);
+    if (!picture) return Error{picture.error().code, picture.error().message, path + "/picture"};
+    set.picture = std::move(*picture);
+    if (set.picture.size() != ivec2(set.size, int(probes) * (set.size + set.size / 2)))
+        return invalid(path + "/picture", "is not as large as its probes' tiles");
+    return {};
+}
+
 Result<ReflectionSet> readReflections(const SourceDocument& document, const Json& json, const glm::dvec3& shift)
 {
     ReflectionSet set;
     if (json.is_null()) return set;
-    const Json& unit = member(json, "unitNits");
-    set.unitNits = unit.is_number() ? unit.get<float>() : 0.0f;
-    if (!(set.unitNits > 0.0f) || !std::isfinite(set.unitNits))
-        return invalid(kReflectionsPath, "unitNits is not a number above 0");
-    const Json& size = member(json, "size");
-    set.size = size.is_number_unsigned() && size.get<uint64_t>() <= uint64_t(kMostTileTexels) ? size.get<int>() : 0;
-    if (set.size < kLeastTileTexels || set.size % 16 != 0)
-        return invalid(kReflectionsPath, "size is not a multiple of 16 from 32 to 1024");
     const Json& probes = member(json, "probes");
     if (!probes.is_array() || probes.empty() || probes.size() > ReflectionSet::kMost)
         return invalid(kReflectionsPath, "probes is not a list of 1 to 32");
@@ -80,13 +93,8 @@ Result<ReflectionSet> readReflections(const SourceDocument& document, const Json
         if (!probe) return probe.error();
         set.probes.push_back(*probe);
     }
-    const auto bytes = pictureBytes(document, member(json, "picture"), kReflectionsPath + "/picture");
-    if (!bytes) return bytes.error();
-    auto picture = decodeKtx2(*bytes);
-    if (!picture) return Error{picture.error().code, picture.error().message, kReflectionsPath + "/picture"};
-    set.picture = std::move(*picture);
-    if (set.picture.size() != ivec2(set.size, int(set.probes.size()) * (set.size + set.size / 2)))
-        return invalid(kReflectionsPath + "/picture", "is not as large as its probes' tiles");
+    if (Status s = readReflectionPicture(document, json, set.probes.size(), kReflectionsPath, set); !s)
+        return s.error();
     return set;
 }
 

@@ -255,6 +255,7 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     if (!sky) return sky.error();
     scene.sky = std::move(*sky);
     scene.sky.group = settings.skyGroup.value_or(std::string());
+    scene.sky.changes = settings.skyChanges.value_or(false);
     scene.subtractiveShadowColor = settings.shadowColor;
     for (const glm::dvec3& p : settings.probes.value_or(std::vector<glm::dvec3>())) {
         if (tooFar(p - scene.originMeters))
@@ -273,7 +274,8 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
         }
     }
     if (!skyAuthored && scene.lights.empty() && !emits) {
-        scene.sky = {vec3(1.0f), vec3(1.0f), vec3(0.5f)};
+        scene.sky.zenith = scene.sky.horizon = vec3(1.0f);
+        scene.sky.ground = vec3(0.5f);
         scene.warnings.push_back(
             "the file has no light, no emissive material and no sky: it gets a white sky of 1 cd/m2");
     }

@@ -37,6 +37,7 @@ SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& st
     if (stronger.skyHorizon) merged.skyHorizon = stronger.skyHorizon;
     if (stronger.skyGround) merged.skyGround = stronger.skyGround;
     if (stronger.skyGroup) merged.skyGroup = stronger.skyGroup;
+    if (stronger.skyChanges) merged.skyChanges = stronger.skyChanges;
     if (stronger.emissionUnit) merged.emissionUnit = stronger.emissionUnit;
     if (stronger.shadowColor) merged.shadowColor = stronger.shadowColor;
     if (stronger.probes) merged.probes = stronger.probes;

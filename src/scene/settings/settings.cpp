@@ -135,6 +135,7 @@ const std::vector<Key<SceneSettings>>& sceneKeys()
         {"sky_intensity",
          [](const Json& v, SceneSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.skyIntensity); }},
         {"sky_group", [](const Json& v, SceneSettings& s) { return readGroup(v, s.skyGroup); }},
+        {"sky_changes", [](const Json& v, SceneSettings& s) { return readBool(v, s.skyChanges); }},
         {"emission_unit",
          [](const Json& v, SceneSettings& s) -> Expectation {
              s.emissionUnit = emissionUnitNamed(v.is_string() ? v.get<std::string>() : std::string());

@@ -59,6 +59,7 @@ struct SceneSettings {
     std::optional<float> skyRotationDegrees;
     std::optional<float> skyIntensity;
     std::optional<std::string> skyGroup;
+    std::optional<bool> skyChanges;
     std::optional<EmissionUnit> emissionUnit;
     std::optional<vec3> shadowColor;
     std::optional<std::vector<glm::dvec3>> probes; ///< in the file's world

@@ -121,7 +121,7 @@ private:
             }
         }
         if (baked_.lightmapUnitLux != 1.0f) root_["lightmapUnitLux"] = baked_.lightmapUnitLux;
-        root_["subtractiveShadowColor"] = numbers(subtractiveShadowColor(baked_));
+        root_["subtractiveShadowColor"] = numbers(scene_.subtractiveShadowColor.value_or(baked_.defaultShadowColor));
         root_["shadowColorFromBake"] = !scene_.subtractiveShadowColor.has_value();
         if (!scene_.probePositions.empty()) {
             for (const vec3& p : scene_.probePositions)

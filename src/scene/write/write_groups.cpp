@@ -1,6 +1,8 @@
 #include "scene/write/write_groups.h"
 
+#include "scene/pictures/ktx2.h"
 #include "scene/write/write_bake_pictures.h"
+#include "scene/write/write_reflections.h"
 
 namespace halflight {
 namespace {
@@ -10,16 +12,30 @@ Status writeGroup(PictureWriter& pictures, const BakedGroup& group, std::span<co
 {
     record = {{"name", group.name}, {"weight", numbers(group.weight)}, {"peak", group.peakLux}};
     if (group.sky) record["sky"] = true;
+    if (group.shadowColor != vec3(0.0f)) record["shadowColor"] = numbers(group.shadowColor);
     if (group.unitLux != 1.0f) record["lightmapUnitLux"] = group.unitLux;
-    Result<EncodedLightmaps> encoded = encodePages(group.lightmaps, group.unitLux, irradiance, options);
+    // Reflected light varies little from texel to texel: its own curve holds it in a third of the bytes.
+    WriteOptions own = options;
+    if (!group.direct && options.lightmapFormat == LightmapFormat::Rgb9e5 && decodesWebp())
+        own.lightmapFormat = LightmapFormat::Webp;
+    Result<EncodedLightmaps> encoded = encodePages(group.lightmaps, group.unitLux, irradiance, own);
     if (!encoded) return encoded.error();
     std::vector<Result<std::vector<std::byte>>> pages;
     for (std::vector<std::byte>& page : encoded->pages) pages.emplace_back(std::move(page));
     const std::string name = "lightmap of " + group.name;
     if (Status s = addMasks(pictures, "lightmaps", name, std::move(pages), record, bytes); !s) return s;
     if (!encoded->encoding.is_null()) record["lightmapEncoding"] = encoded->encoding;
-    return addMasks(pictures, "lightmapDirections", "directions of " + group.name,
-                    encodeMasks(group.directions, options.progress), record, bytes);
+    if (Status s = addMasks(pictures, "lightmapDirections", "directions of " + group.name,
+                            encodeMasks(group.directions, options.progress), record, bytes);
+        !s)
+        return s;
+    if (group.reflections.size == 0) return {};
+    auto reflections = encodeKtx2(group.reflections.picture);
+    if (!reflections) return reflections.error();
+    bytes += reflections->size();
+    record["reflections"] =
+        reflectionsJson(group.reflections, pictures.add("reflections of " + group.name, std::move(*reflections)));
+    return {};
 }
 
 } // namespace

@@ -6,7 +6,7 @@
 
 namespace halflight {
 
-/// `reflectionProbes` of the root extension; `picture` refers to the probes' picture.
+/// `reflectionProbes` of the root extension, or `reflections` of a light group; `picture` refers to their picture.
 Json reflectionsJson(const ReflectionSet& set, Json picture);
 
 /// A transform's 16 numbers, column by column.

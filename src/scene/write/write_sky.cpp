@@ -35,6 +35,7 @@ Result<WrittenSky> writeSky(PictureWriter& pictures, const Sky& sky, int width)
 {
     WrittenSky written{colorsOf(sky), colorsOf(sky)};
     if (!sky.group.empty()) written.record["group"] = sky.group;
+    if (sky.changes) written.record["changes"] = true;
     if (sky.picture == nullptr) return written;
     const Page page = pageOf(*sky.picture, width);
     auto encoded = encodeKtx2(page.rgb9e5);

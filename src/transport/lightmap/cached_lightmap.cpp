@@ -29,7 +29,7 @@ constexpr const char* kScaleStage = "scale";
 Status CachedLightmap::prepare(const Progress& progress, std::atomic<uint64_t>& rays)
 {
     if (state_ != nullptr) return {};
-    auto state = std::make_unique<LightmapState>(map_);
+    auto state = std::make_unique<LightmapState>(map_, paths_.light().components() > 0);
     const auto compute = [&] { return build(*state, progress, rays); };
     if (Status s = store_.computed(kRadianceStage, *state, compute); !s) return s;
     if (settings_.bounces > 0 && paths_.light().components() == 0) {

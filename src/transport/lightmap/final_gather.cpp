@@ -160,8 +160,9 @@ void FinalGather::addComponents(const GatherGroup& group, int number)
             const vec3 direction = block_.bundle.direction(stratum, lane);
             const vec3 scale = kPi * block_.bundle.hit(stratum, lane).tint;
             if (block_.hits.missed(sample)) {
-                block_.components.add(s, l, light.skyComponent(), scale * light.sky().dimRadiance(direction),
-                                      direction);
+                light.splitSky(direction, light.sky().dimRadiance(direction), [&](int component, vec3 part) {
+                    block_.components.add(s, l, component, scale * part, direction);
+                });
                 continue;
             }
             const PatchRadiance* cached = block_.hits.radiance(sample);

@@ -15,13 +15,14 @@ int texelStepOf(const IntegrationSettings& settings, const TexelMap& map);
 
 /// Everything that a map's texels have in common.
 struct LightmapState {
-    explicit LightmapState(const TexelMap& map) : grid(map) {}
+    LightmapState(const TexelMap& map, bool hasComponents) : grouped(hasComponents), grid(map) {}
     template<typename Archive> void archive(Archive& a)
     {
-        cache.archive(a);
+        cache.archive(a, grouped);
         guides.archive(a);
         a(mean);
     }
+    bool grouped; ///< light is kept by component
     TexelGrid grid;
     RadianceCache cache;
     Guides guides;

@@ -155,6 +155,8 @@ private:
         const PatchPass pass(kind, patches_, input_);
         const std::size_t first = factors_.size();
         factors_.resize(first + rangesOf(items.size()));
+        for (std::size_t r = first; r < factors_.size(); ++r)
+            factors_[r].hasComponents = input_.paths.light().components() > 0;
         forAllRanges(items, std::span(factors_).subspan(first),
                      [&](std::span<const uint32_t> some, FormFactorRange& out) {
                          FormFactorSampler sampler(pass, out);

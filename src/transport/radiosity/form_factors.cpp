@@ -96,7 +96,8 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
     const vec3 direction = bundle_.direction(stratum, lane);
     const RayHit& hit = bundle_.hit(stratum, lane);
     if (!hit.found()) {
-        addGathered(samples, paths_.light().skyComponent(), hit.tint * paths_.light().sky().dimRadiance(direction));
+        paths_.light().splitSky(direction, paths_.light().sky().dimRadiance(direction),
+                                [&](int component, vec3 part) { addGathered(samples, component, hit.tint * part); });
         return;
     }
     const PatchId target = pass_.targetOf(hit.face, hit.barycentric);

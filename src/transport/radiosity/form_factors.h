@@ -49,9 +49,9 @@ struct FormFactorRange {
         vec3 radiance{0.0f};
     };
     std::vector<LateRadiance> late;
-    /// By entry of `samples` and component. Empty where light is estimated as one; not kept in files.
-    std::vector<ComponentSamples> components;
-    std::vector<uint8_t> lateComponents; ///< by entry of `late`
+    bool hasComponents = false;               ///< known before archives are read; false where light is estimated as one
+    std::vector<ComponentSamples> components; ///< by entry of `samples` and component
+    std::vector<uint8_t> lateComponents;      ///< by entry of `late`
     /// A link through glass that has a colour. In the order of `links`.
     struct TintedLink {
         uint32_t link = 0; ///< index into `links`
@@ -60,7 +60,11 @@ struct FormFactorRange {
     std::vector<TintedLink> tinted;
     std::vector<PatchId> hitNear; ///< patches hit from less than half their width
 
-    template<typename Archive> void archive(Archive& a) { a(samples, links, late, tinted, hitNear); }
+    template<typename Archive> void archive(Archive& a)
+    {
+        a(samples, links, late, tinted, hitNear);
+        if (hasComponents) a(components, lateComponents);
+    }
     /// The light of the components of an entry of `samples`.
     std::span<ComponentSamples> componentsOf(const PatchSamples& of, int count)
     {

@@ -37,6 +37,8 @@ struct ComponentCache {
     std::size_t count = 0;
     std::vector<ComponentRadiance> patches;  ///< by patch and element, and component
     std::array<std::vector<vec3>, 3> levels; ///< as RadianceCache::Levels, by patch and component
+
+    template<typename Archive> void archive(Archive& a) { a(count, patches, levels[0], levels[1], levels[2]); }
 };
 
 /// Constant radiance per patch and element. The final gather reads it (Reichert 1992, "A Two-Pass Radiosity Method
@@ -55,7 +57,6 @@ public:
           converged_(converged)
     {}
 
-    /// The components' radiance is not in archives.
     void setComponents(ComponentCache components) { components_ = std::move(components); }
     [[nodiscard]] std::size_t componentCount() const { return components_.count; }
     /// Of a patch or element of patches().
@@ -67,8 +68,10 @@ public:
     /// Of a hit that radianceAt() finds.
     void componentsAt(const RayEnd& end, int reflections, std::span<vec3> out) const;
 
-    template<typename Archive> void archive(Archive& a)
+    /// `grouped`: there are components.
+    template<typename Archive> void archive(Archive& a, bool grouped)
     {
+        if (grouped) components_.archive(a);
         layout_.archive(a);
         a(patches_, levels_[0], levels_[1], levels_[2], bounces_, converged_);
     }

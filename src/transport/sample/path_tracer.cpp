@@ -122,7 +122,7 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         if (!at.found()) {
             const vec3 sky = light_.sky().dimRadiance(direction);
             add(sky, depth);
-            note(light_.skyComponent(), sky, depth);
+            light_.splitSky(direction, sky, [&](int component, vec3 part) { note(component, part, depth); });
             break;
         }
         // The surface's properties are not needed where the cache has its radiance and it does not emit.

@@ -58,11 +58,7 @@ SceneLight::LightChoice SceneLight::choosePunctual(const SurfacePoint& point, bo
 SceneLight::LightChoice SceneLight::choosePunctualFrom(std::size_t chooser, const SurfacePoint& point,
                                                        Sampler& sampler) const
 {
-    if (lights_.empty()) return {};
-    const float u = sampler.next1();
-    const vec2 disc = shading::sampleDisc(sampler.next2());
-    float total = 0.0f;
-    return chooseFrom(choosers_[chooser], point, u, disc, sampler, irradianceOf(point, false), total);
+    return chooseLightFrom(chooser, point, sampler, irradianceOf(point, false));
 }
 
 } // namespace halflight

@@ -45,7 +45,23 @@ public:
     [[nodiscard]] const SkyLight& sky() const { return sky_; }
     /// Number of components; 0: light is estimated as one.
     [[nodiscard]] int components() const { return components_.count; }
-    [[nodiscard]] int skyComponent() const { return components_.ofSky; }
+    /// Of a picture, whose bright places are sampled.
+    [[nodiscard]] int skyComponent() const { return components_.ofSky[0]; }
+    /// Calls visit(component, radiance) for what of the sky's radiance in a direction is of a component: a gradient's
+    /// colours may be of three.
+    template<typename Visit> void splitSky(vec3 direction, vec3 radiance, Visit visit) const
+    {
+        const auto [zenith, horizon, ground] = components_.ofSky;
+        if (zenith == horizon && zenith == ground) {
+            visit(zenith, radiance);
+            return;
+        }
+        const Sky& colors = sky_.sky();
+        const vec3 shares = shading::skyRadiance(vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1), direction);
+        visit(zenith, shares.x * colors.zenith);
+        visit(horizon, shares.y * colors.horizon);
+        visit(ground, shares.z * colors.ground);
+    }
     /// Of a triangle's emission.
     [[nodiscard]] int emissionComponent(uint32_t triangle) const
     {
@@ -77,6 +93,9 @@ public:
     /// Sets of lights of which chooseFrom() chooses: one for each component with lights that bounce, at least one.
     [[nodiscard]] std::size_t choosers() const { return choosers_.size(); }
     LightChoice choosePunctualFrom(std::size_t chooser, const SurfacePoint& point, Sampler& sampler) const;
+    /// chooseLight() of one of these sets.
+    template<typename Contribution> LightChoice chooseLightFrom(std::size_t chooser, const SurfacePoint& point,
+                                                                Sampler& sampler, Contribution contribution) const;
 
 private:
     /// The lights of a component that bounce.
@@ -143,11 +162,19 @@ template<typename Contribution> SceneLight::LightChoice
 SceneLight::chooseLight(const SurfacePoint& point, Sampler& sampler, Contribution contribution) const
 {
     if (lights_.empty()) return {};
-    if (choosers_.size() > 1) return chooseComponent(point, sampler, contribution);
+    return choosers_.size() > 1 ? chooseComponent(point, sampler, contribution)
+                                : chooseLightFrom(0, point, sampler, contribution);
+}
+
+template<typename Contribution>
+SceneLight::LightChoice SceneLight::chooseLightFrom(std::size_t chooser, const SurfacePoint& point, Sampler& sampler,
+                                                    Contribution contribution) const
+{
+    if (lights_.empty()) return {};
     const float u = sampler.next1();
     const vec2 disc = shading::sampleDisc(sampler.next2());
     float total = 0.0f;
-    return chooseFrom(choosers_.front(), point, u, disc, sampler, contribution, total);
+    return chooseFrom(choosers_[chooser], point, u, disc, sampler, contribution, total);
 }
 
 template<typename Contribution> SceneLight::LightChoice

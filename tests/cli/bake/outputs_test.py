@@ -92,10 +92,47 @@ class LightGroups(Case):
         self.assert_one_sentence(run("compose", baked, *out, "--group", "sun"), 2, "--group", "lamps=0.5")
         self.assert_one_sentence(run("compose", self.ROOMS, *out), 1, "has no light groups")
         self.assert_one_sentence(run("compose", baked, "-o", self.path("x.png")), 2, ".glb or .gltf")
-        cache = ["--cache", self.path("cache")]
-        self.assert_one_sentence(run("bake", self.ROOMS, *out, *QUICK, *cache), 1, "light groups", "--groups off")
-        sidecar = ["--sidecar", self.path("side"), "--groups", "each"]
-        self.assert_one_sentence(run("bake", self.ROOMS, *out, *QUICK, *sidecar), 2, "sidecars hold no light groups")
+        self.assert_one_sentence(run("compose", baked, *out, "--sky-zenith", "1"), 1, "halflight_sky_changes = 1")
+        self.assert_one_sentence(run("compose", baked, *out, "--sky", "blue"), 2, "--sky", "'blue'")
+        unlit = ["--export", "unlit", "--groups", "each"]
+        self.assert_one_sentence(run("bake", self.ROOMS, *out, *QUICK, *unlit), 2, "exports hold no light groups")
+
+    def test_a_sidecar_has_them_where_it_is_asked_to(self):
+        for options, count in (([], 0), (["--groups", "authored"], 5)):
+            side = self.path("side%d" % count)
+            self.baked_groups("--sidecar", side, *options)
+            with open(os.path.join(side, "bake.json"), encoding="utf-8") as file:
+                bake = json.load(file)
+            json_schema.check(bake, "sidecar")
+            self.assertEqual(bake["version"], 2 if count else 1)
+            self.assertEqual(len(bake.get("groups", [])), count)
+            for group in bake.get("groups", []):
+                self.assertEqual(len(group["radiance"]), len(bake["probes"]["radiance"]))
+                for page in filter(None, group["lightmaps"]["pages"]):
+                    self.assertTrue(page.startswith("lightmap_%s_" % group["name"]))
+                    self.assertTrue(os.path.exists(os.path.join(side, page)))
+
+    def test_a_sky_that_changes(self):
+        """S34"""
+        settings = self.path("sky.toml")
+        with open(settings, "w", encoding="utf-8") as file:
+            file.write("[sky]\nzenith = [1, 2, 4]\nhorizon = 3\nground = 0.5\nchanges = true\n")
+        baked, info = self.baked_groups("--settings", settings)
+        parts = {group["name"]: group["weight"] for group in info["groups"] if group["sky"]}
+        self.assertEqual(list(parts), ["sky.zenith", "sky.horizon", "sky.ground"])
+        for value, truth in zip(parts["sky.zenith"], [1, 2, 4]):
+            self.assertAlmostEqual(value, truth, 4)
+        state = self.path("state.glb")
+        options = ["--sky", "0", "--sky-horizon", "9,6,3"]
+        self.assertEqual(run("compose", baked, "-o", state, "-q", *options).returncode, 0)
+        sky = json.loads(run("info", state, "--json").stdout)["sky"]
+        self.assertEqual((sky["zenith"], sky["horizon"], sky["ground"]), ([0, 0, 0], [9, 6, 3], [0, 0, 0]))
+        pictures = []
+        for name, file, changes in (("a.png", baked, options), ("b.png", state, [])):
+            size = ["--size", "64x64", "--exposure", "2", "-q"]
+            self.assertEqual(run("render", file, "-o", self.path(name), *size, *changes).returncode, 0)
+            pictures.append(read(self.path(name)))
+        self.assertEqual(*pictures)
 
 
 class Progress(Case):

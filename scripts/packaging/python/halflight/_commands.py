@@ -193,6 +193,10 @@ def render(
     specular: Optional[bool] = None,
     light: Optional[Union[str, Sequence[str]]] = None,
     group: Optional[Union[str, Sequence[str]]] = None,
+    sky: Optional[Union[Sequence[float], str]] = None,
+    sky_zenith: Optional[Union[Sequence[float], str]] = None,
+    sky_horizon: Optional[Union[Sequence[float], str]] = None,
+    sky_ground: Optional[Union[Sequence[float], str]] = None,
     size: Optional[Union[Tuple[int, int], str]] = None,
     samples: Optional[Literal[1, 4, 9, 16]] = None,
     exposure: Optional[Union[float, Literal["auto"]]] = None,
@@ -240,6 +244,10 @@ def render(
             inner-cone, outer-cone (degrees), depth-bias, slope-bias, normal-bias; may be repeated
         group (NAME=WEIGHT): weight of one of the bake's light groups, one number or three for red, green and blue
             (default: as the file has it); may be repeated
+        sky (R,G,B): radiance of a sky that changes, cd/m2, or what its picture is multiplied by
+        sky_zenith (R,G,B): the same of a gradient's zenith alone
+        sky_horizon (R,G,B): the same of its horizon
+        sky_ground (R,G,B): the same of its ground
         size (WxH): width and height in pixels (default 1280x720)
         samples: samples of a pixel, each lit, on a regular grid: antialiasing (default 4; 1 in views)
         exposure: EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey, up to 2 stops
@@ -289,6 +297,10 @@ def render(
         *_run.option("--specular", specular),
         *_run.each("--light", light),
         *_run.each("--group", group),
+        *_run.option("--sky", sky),
+        *_run.option("--sky-zenith", sky_zenith),
+        *_run.option("--sky-horizon", sky_horizon),
+        *_run.option("--sky-ground", sky_ground),
         *_run.option("--size", size, between="x"),
         *_run.option("--samples", samples),
         *_run.option("--exposure", exposure),

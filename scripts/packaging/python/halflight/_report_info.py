@@ -124,6 +124,8 @@ class InfoGroup(Record):
     weight: List[float]
     peak_lux: float
     pages: int
+    # Of its pictures and probes in the file.
+    bytes: int
     lights: List[str]
     materials: List[str]
     sky: bool

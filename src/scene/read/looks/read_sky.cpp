@@ -56,6 +56,7 @@ SceneSettings recordedSky(const SourceDocument& document)
     record.skyGround = color("ground");
     record.skyOfBake = member(sky, "picture").is_object();
     if (std::string group = stringOf(sky, "group"); isGroupName(group)) record.skyGroup = std::move(group);
+    if (const Json& changes = member(sky, "changes"); changes.is_boolean()) record.skyChanges = changes.get<bool>();
     return record;
 }
 
