@@ -1,13 +1,19 @@
 #pragma once
-// A state of a bake with light groups (spec S33), as a bake without groups.
+// States of a bake with light groups (spec S33): what weights make of its light and of the members of groups. The
+// renderer adds the pages itself (Renderer::setLightGroup()); composeGroups() makes a bake without groups of a state.
 
 #include "halflight/base/result.h"
 #include "halflight/scene/baked_scene.h"
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace halflight {
+
+/// The largest weight that may be set.
+constexpr float kMostGroupWeight = 1.0e12f;
 
 /// A weight by the name of its group.
 struct GroupWeight {
@@ -15,12 +21,36 @@ struct GroupWeight {
     vec3 weight{1.0f};
 };
 
-/// The saved weights of the groups, with those of `changes`. InvalidArgument names groups that the bake lacks.
+/// The saved weights of the groups, with those of `changes`. InvalidArgument names groups that the bake lacks, and
+/// weights outside 0 to kMostGroupWeight.
 Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vector<GroupWeight>& changes);
 
-/// Adds the light of the groups, each times its weight, to lightmaps, directions and probes. Members' colours and
-/// intensities, emission and the sky are those of the weights. The result has no groups. Reflection probes stay as they
-/// were baked. Does nothing in a bake without groups.
+/// Adds the light of the groups, each times its weight, to lightmaps, directions and probes. Members are those of
+/// composeMembers() and composedSky(). The result has no groups. Reflection probes stay as they were baked:
+/// oldReflections() says so. Does nothing in a bake without groups.
 void composeGroups(BakedScene& baked, const std::vector<vec3>& weights);
+
+/// Radiance of the bake's probes: the rest's, and each group's times its weight. `weights`: by group.
+std::vector<SphericalHarmonicsL2> composedRadiance(const BakedScene& baked, std::span<const vec3> weights);
+
+/// Colour and intensity of the lights that are in groups, and emission of materials, at these weights. `saved`: lights
+/// and materials as the file has them, at the saved weights; may be `scene` itself. A light keeps its intensity where
+/// its colour can be at most 1, so that one that is off is black. BakingOutput::atBake follows: bounced light does.
+void composeMembers(const Scene& saved, std::span<const BakedGroup> groups, std::span<const vec3> weights,
+                    Scene& scene);
+
+/// The weight of the sky's group over the saved one: what a sky's picture is multiplied with. 1 where the sky is in
+/// none.
+vec3 composedSkyFactor(std::span<const BakedGroup> groups, std::span<const vec3> weights);
+/// The sky at these weights. `saved`: as the file has it. A picture is multiplied texel by texel.
+Sky composedSky(const Sky& saved, std::span<const BakedGroup> groups, std::span<const vec3> weights);
+
+/// The weight with which the lights of a group are as the scene has them: one factor for all, by channel, to 1/10,000.
+/// `weight`: the group's until now, which channels keep that are black in all of them. Nothing where the lights are not
+/// of one factor, or the group has none.
+std::optional<vec3> weightOfLights(const Scene& scene, int group, vec3 weight);
+
+/// A warning where reflection probes show other weights than these; empty where they do not.
+std::string oldReflections(const BakedScene& baked, std::span<const vec3> weights);
 
 } // namespace halflight
