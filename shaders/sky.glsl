@@ -10,7 +10,7 @@ vec3 skyTowards(vec3 d, float level)
 {
     if (frame.skyPicture.z == 0.0)
         return skyRadiance(frame.skyZenith.rgb, frame.skyHorizon.rgb, frame.skyGround.rgb, d);
-    return textureLod(skyPicture, skyPictureUv(d, frame.skyPicture.xy), level).rgb * frame.skyPicture.w;
+    return textureLod(skyPicture, skyPictureUv(d, frame.skyPicture.xy), level).rgb * frame.skyPictureNits.rgb;
 }
 
 #endif

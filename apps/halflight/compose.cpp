@@ -50,7 +50,7 @@ int runCompose(const ComposeOptions& options)
         state += fmt::format("{}{}={}", g > 0 ? ", " : "", printable(baked->groups[g].name),
                              grey ? fmt::format("{:g}", w.x) : fmt::format("{:g},{:g},{:g}", w.x, w.y, w.z));
     }
-    const std::vector<std::string> kept = groupsKeptByReflections(*baked, *weights);
+    const std::vector<std::string> kept = oldReflections(*baked, *weights);
     composeGroups(*baked, *weights);
     WriteOptions write;
     write.mayReplace = commitOutput;
@@ -58,10 +58,7 @@ int runCompose(const ComposeOptions& options)
         return fail(options.output, status.error());
     if (options.quiet) return kOk;
     for (const std::string& warning : baked->scene.warnings) warn(options.input, warning);
-    for (const std::string& group : kept)
-        warn(options.input, fmt::format("the light group {} has less than 1 % of what reflection probes show: glossy "
-                                        "surfaces reflect it as it was in the bake",
-                                        printable(group)));
+    for (const std::string& warning : kept) warn(options.input, printable(warning));
     print("{}: {}\n", options.output.string(), state);
     return kOk;
 }

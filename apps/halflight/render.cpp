@@ -8,6 +8,7 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/files_in_use.h"
 #include "halflight/base/parallel.h"
+#include "halflight/render/compose.h"
 #include "halflight/render/renderer.h"
 #include "halflight/scene/gltf.h"
 
@@ -50,6 +51,13 @@ Status changeLights(Renderer& renderer, const std::vector<LightOverride>& change
     if (!changed) return changed.error();
     for (const auto& [index, light] : *changed)
         if (Status status = renderer.setLight(index, light); !status) return status;
+    return {};
+}
+
+Status changeGroups(Renderer& renderer, const std::vector<GroupWeight>& changes)
+{
+    for (const GroupWeight& change : changes)
+        if (Status status = renderer.setLightGroup(change.name, change.weight); !status) return status;
     return {};
 }
 
@@ -133,6 +141,7 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options.device);
     if (!renderer) return renderer.error();
     if (Status status = (*renderer)->load(baked); !status) return status.error();
+    if (Status status = changeGroups(**renderer, options.groups); !status) return status.error();
     if (Status status = changeLights(**renderer, options.lights); !status) return status.error();
     Result<RenderedFrame> frame = (*renderer)->render(camera, settings);
     if (!frame) return frame.error();
@@ -306,7 +315,10 @@ int runRender(RenderOptions options)
     if (!baked) return fail(options.file, baked.error());
     const Result<std::vector<vec3>> weights = groupWeights(*baked, options.groups);
     if (!weights) return fail(options.file, weights.error());
-    composeGroups(*baked, *weights);
+    if (options.referenceSamples > 0) { // it traces the members of groups, and reads no baked light
+        composeMembers(baked->scene, baked->groups, *weights, baked->scene);
+        baked->scene.sky = composedSky(baked->scene.sky, baked->groups, *weights);
+    }
     addExternalFiles(files, externalFiles(baked->scene));
     if (Status status = files.check(culprit); !status) return fail(culprit, status.error());
     std::vector<std::string> warnings;

@@ -153,6 +153,9 @@ std::string lineOf(const ViewedPicture& picture)
     if (!settings.directionalLightmaps) add("--directional off");
     if (!settings.reflectionProbes) add("--reflection-probes off");
     if (!settings.specular) add("--specular off");
+    for (const GroupWeight& group : picture.groups)
+        add("--group " +
+            quoted(fmt::format("{}={:.9g},{:.9g},{:.9g}", group.name, group.weight.r, group.weight.g, group.weight.b)));
     for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
         const std::string changes = lightOverride(scene.lights[i], atLoad.lights[i]);
         if (!changes.empty() && isUnique(scene.lights[i], scene.lights))
@@ -228,7 +231,15 @@ ViewText commandLine(const ViewedPicture& picture)
 
 ViewText settingsFile(const Scene& scene, const Scene& atLoad)
 {
-    return {rulesOf(scene, atLoad), leftOutOfSettings(scene, atLoad)};
+    std::string leftOut = leftOutOfSettings(scene, atLoad);
+    for (std::size_t i = 0; i < scene.materials.size() && i < atLoad.materials.size(); ++i)
+        if (scene.materials[i].emissiveNits != atLoad.materials[i].emissiveNits)
+            add(leftOut, "the emission of '" + scene.materials[i].name + "'");
+    const Sky& sky = scene.sky;
+    const Sky& before = atLoad.sky;
+    if (sky.zenith != before.zenith || sky.horizon != before.horizon || sky.ground != before.ground)
+        add(leftOut, "the sky's weight");
+    return {rulesOf(scene, atLoad), leftOut};
 }
 
 } // namespace halflight::cli

@@ -6,7 +6,6 @@
 #include "view_command.h"
 #include "view_texts.h"
 
-#include "halflight/render/compose.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/view/view.h"
 
@@ -34,9 +33,7 @@ int openWindow(const ViewCommandOptions& given)
     view.loader.read = [&](const std::filesystem::path& file, const std::atomic<bool>& cancel) {
         ReadOptions cancellable = read;
         cancellable.cancel = &cancel;
-        Result<BakedScene> baked = readBakedScene(file, cancellable);
-        if (baked) composeGroups(*baked, *groupWeights(*baked, {}));
-        return baked;
+        return readBakedScene(file, cancellable);
     };
     view.loader.camera = [&](const Scene& scene, float aspect, bool isFirst) {
         return chooseCamera(scene, isFirst ? render.camera : CameraChoice(), aspect);

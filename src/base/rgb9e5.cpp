@@ -15,22 +15,24 @@ constexpr int kBias = 15; // of the common exponent
 
 uint32_t packRgb9e5(vec3 color)
 {
-    for (int c = 0; c < 3; ++c) color[c] = color[c] > 0.0f ? std::min(color[c], kMaxRgb9e5) : 0.0f; // NaN too
-    const float largest = std::max({color.x, color.y, color.z});
-    int exponent = std::max(-kBias - 1, largest > 0.0f ? std::ilogb(largest) : -kBias - 1) + 1 + kBias;
-    float scale = std::ldexp(1.0f, kBias + 9 - exponent);
-    if (std::floor(largest * scale + 0.5f) >= 512.0f) {
-        ++exponent;
-        scale *= 0.5f;
-    }
-    const auto mantissa = [&](float c) { return uint32_t(std::floor(c * scale + 0.5f)); };
-    return mantissa(color.x) | (mantissa(color.y) << 9) | (mantissa(color.z) << 18) | (uint32_t(exponent) << 27);
+    return rgb9e5::packTexel(color);
 }
 
 vec3 unpackRgb9e5(uint32_t texel)
 {
     const vec3 mantissas(texel & 0x1ff, (texel >> 9) & 0x1ff, (texel >> 18) & 0x1ff);
     return mantissas * std::ldexp(1.0f, int(texel >> 27) - kBias - 9);
+}
+
+float brightestOf(const Image<uint32_t>& page)
+{
+    // Values are mantissa * 2^exponent: as integers they compare without a float for each texel.
+    uint64_t most = 0;
+    for (const uint32_t texel : page.texels()) {
+        const uint32_t mantissa = std::max({texel & 0x1ff, (texel >> 9) & 0x1ff, (texel >> 18) & 0x1ff});
+        most = std::max(most, uint64_t(mantissa) << (texel >> 27));
+    }
+    return std::ldexp(float(most), -kBias - 9);
 }
 
 float rgb9e5Unit(const ImageRgb32f& image)

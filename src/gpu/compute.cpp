@@ -47,17 +47,9 @@ void copyBytes(const Device& device, VkCommandBuffer commands, const BytesOf& fr
 }
 
 ComputePipeline::ComputePipeline(const Device& device, std::span<const uint32_t> spirv, uint32_t push)
-    : device_(&device), layout_(pushLayout(device, VK_SHADER_STAGE_COMPUTE_BIT, push))
-{
-    const UniqueShader shader = makeShader(device, spirv);
-    const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-                                           .stage = stageOf(VK_SHADER_STAGE_COMPUTE_BIT, shader),
-                                           .layout = layout_.get()};
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    check(device.vk.CreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-          "create a compute pipeline");
-    pipeline_ = UniquePipeline(device, pipeline);
-}
+    : device_(&device), layout_(pushLayout(device, VK_SHADER_STAGE_COMPUTE_BIT, push)),
+      pipeline_(makeComputePipeline(device, layout_.get(), spirv))
+{}
 
 void ComputePipeline::run(VkCommandBuffer commands, std::span<const std::byte> push, uint64_t count,
                           uint32_t groupSize) const

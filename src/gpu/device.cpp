@@ -141,6 +141,17 @@ VkFormatFeatureFlags Device::optimalFeatures(VkFormat format) const
     return properties.optimalTilingFeatures;
 }
 
+bool Device::hasStorageView(VkFormat format, VkFormat storageFormat) const
+{
+    if ((optimalFeatures(storageFormat) & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT) == 0) return false;
+    VkImageFormatProperties properties;
+    const VkResult result = vk.GetPhysicalDeviceImageFormatProperties(
+        physical_, format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL,
+        VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_STORAGE_BIT,
+        VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT, &properties);
+    return result == VK_SUCCESS;
+}
+
 /// Fills a structure of properties that is chained.
 template<typename Properties> Properties Device::chained(Properties properties) const
 {

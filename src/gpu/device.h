@@ -20,7 +20,7 @@ struct Handles {
     VkInstance instance = VK_NULL_HANDLE;
     VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
-    uint32_t queueFamily = 0; ///< can draw
+    uint32_t queueFamily = 0; ///< can draw and run compute shaders
     VkQueue queue = VK_NULL_HANDLE;
     bool samplerAnisotropy = false;         ///< the feature is enabled
     std::shared_ptr<std::mutex> queueMutex; ///< held for each use of the queue; null: the Device makes one
@@ -61,6 +61,8 @@ public:
     [[nodiscard]] VkPhysicalDeviceRayTracingPipelinePropertiesKHR rayLimits() const;
     [[nodiscard]] VkPhysicalDeviceAccelerationStructurePropertiesKHR treeLimits() const;
     [[nodiscard]] VkFormatFeatureFlags optimalFeatures(VkFormat format) const;
+    /// Whether shaders can write into sampled images of `format` as if they were of `storageFormat`.
+    [[nodiscard]] bool hasStorageView(VkFormat format, VkFormat storageFormat) const;
     [[nodiscard]] bool anisotropy() const { return anisotropy_; }
     [[nodiscard]] bool timestamps() const { return timestampBits_ > 0; }
 

@@ -136,9 +136,10 @@ std::string Device::refusalOf(VkPhysicalDevice device, const DeviceOptions& opti
     table_.GetPhysicalDeviceFeatures2(device, &features.all);
     const char* missing = options.rayTracing ? missingForRays(features) : missingForDrawing(features);
     if (missing != nullptr) return std::string("lacks ") + missing;
-    const auto family = queueFamilyWith(vk, device, options.rayTracing ? VK_QUEUE_COMPUTE_BIT : VK_QUEUE_GRAPHICS_BIT,
-                                        out.timestampBits);
-    if (!family) return options.rayTracing ? "cannot compute" : "cannot draw";
+    const VkQueueFlags flags = VkQueueFlags(VK_QUEUE_COMPUTE_BIT) |
+                               (options.rayTracing ? VkQueueFlags(0) : VkQueueFlags(VK_QUEUE_GRAPHICS_BIT));
+    const auto family = queueFamilyWith(vk, device, flags, out.timestampBits);
+    if (!family) return options.rayTracing ? "cannot compute" : "cannot draw and compute";
     out.queueFamily = *family;
     out.anisotropy = features.all.features.samplerAnisotropy;
     return {};

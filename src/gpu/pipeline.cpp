@@ -96,9 +96,22 @@ void DescriptorSet::image(uint32_t binding, VkImageView view, VkSampler sampler,
     device_->vk.UpdateDescriptorSets(device_->handle(), 1, &write, 0, nullptr);
 }
 
-UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLayout set, uint32_t pushConstantBytes)
+void DescriptorSet::storageImage(uint32_t binding, VkImageView view)
 {
-    const VkPushConstantRange range{VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, pushConstantBytes};
+    const VkDescriptorImageInfo info{VK_NULL_HANDLE, view, VK_IMAGE_LAYOUT_GENERAL};
+    const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                     .dstSet = set_,
+                                     .dstBinding = binding,
+                                     .descriptorCount = 1,
+                                     .descriptorType = types_[binding],
+                                     .pImageInfo = &info};
+    device_->vk.UpdateDescriptorSets(device_->handle(), 1, &write, 0, nullptr);
+}
+
+UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLayout set, uint32_t pushConstantBytes,
+                                        VkShaderStageFlags stages)
+{
+    const VkPushConstantRange range{stages, 0, pushConstantBytes};
     const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                           .setLayoutCount = 1,
                                           .pSetLayouts = &set,
@@ -107,6 +120,21 @@ UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLay
     VkPipelineLayout layout = VK_NULL_HANDLE;
     check(device.vk.CreatePipelineLayout(device.handle(), &info, nullptr, &layout), "create a pipeline layout");
     return {device, layout};
+}
+
+UniquePipeline makeComputePipeline(const Device& device, VkPipelineLayout layout, std::span<const uint32_t> spirv)
+{
+    const UniqueShader shader = makeShader(device, spirv);
+    const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                           .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                     .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                                     .module = shader.get(),
+                                                     .pName = "main"},
+                                           .layout = layout};
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(device.vk.CreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
+          "create a compute pipeline");
+    return {device, pipeline};
 }
 
 /// How each of the pipeline's colours goes to its target.

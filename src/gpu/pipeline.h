@@ -37,6 +37,8 @@ public:
 
     void buffer(uint32_t binding, const Buffer& buffer);
     void image(uint32_t binding, VkImageView view, VkSampler sampler, uint32_t element = 0);
+    /// An image in layout GENERAL.
+    void storageImage(uint32_t binding, VkImageView view);
     [[nodiscard]] VkDescriptorSet get() const { return set_; }
 
 private:
@@ -46,7 +48,11 @@ private:
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
-UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLayout set, uint32_t pushConstantBytes);
+/// `stages`: those that read push constants.
+UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLayout set, uint32_t pushConstantBytes,
+                                        VkShaderStageFlags stages = VK_SHADER_STAGE_VERTEX_BIT |
+                                                                    VK_SHADER_STAGE_FRAGMENT_BIT);
+UniquePipeline makeComputePipeline(const Device& device, VkPipelineLayout layout, std::span<const uint32_t> spirv);
 
 /// What a fragment does to the target. Premultiplied: source + (1 - source alpha) * target. Add: source + target.
 enum class Blend { Replace, Premultiplied, Add };

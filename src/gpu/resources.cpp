@@ -14,6 +14,30 @@ VkImageSubresourceRange wholeImage(const ImageInfo& info)
     return {info.aspect, 0, info.mipLevels, 0, info.layers};
 }
 
+/// Its storage view has another format.
+bool isCast(const ImageInfo& info)
+{
+    return info.storageFormat != VK_FORMAT_UNDEFINED && info.storageFormat != info.format;
+}
+
+/// All levels and layers, for some of the image's usages.
+UniqueView wholeView(const Device& device, VkImage image, const ImageInfo& info, VkFormat format,
+                     VkImageUsageFlags usage)
+{
+    const VkImageViewUsageCreateInfo usageInfo{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO, .usage = usage};
+    const VkImageViewCreateInfo viewInfo{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                         .pNext = &usageInfo,
+                                         .image = image,
+                                         .viewType = info.depth > 0                  ? VK_IMAGE_VIEW_TYPE_3D
+                                                     : info.array || info.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
+                                                                                     : VK_IMAGE_VIEW_TYPE_2D,
+                                         .format = format,
+                                         .subresourceRange = wholeImage(info)};
+    VkImageView view = VK_NULL_HANDLE;
+    check(device.vk.CreateImageView(device.handle(), &viewInfo, nullptr, &view), "create an image view");
+    return {device, view};
+}
+
 } // namespace
 
 Buffer::Buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, MemoryUse use)
@@ -40,6 +64,9 @@ Image::Image(const Device& device, const ImageInfo& info) : info_(info)
         throw Failure("an image of " + std::to_string(info.width) + " x " + std::to_string(info.height) + " x " +
                       std::to_string(info.layers) + " is larger than the Vulkan device allows");
     const VkImageCreateInfo imageInfo{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                      .flags = VkImageCreateFlags(isCast(info) ? VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT |
+                                                                                     VK_IMAGE_CREATE_EXTENDED_USAGE_BIT
+                                                                               : 0),
                                       .imageType = info.depth > 0 ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D,
                                       .format = info.format,
                                       .extent = {info.width, info.height, std::max(info.depth, 1u)},
@@ -56,16 +83,13 @@ Image::Image(const Device& device, const ImageInfo& info) : info_(info)
     allocation_ = device.memory().allocate(requirements, MemoryUse::Device, true);
     check(device.vk.BindImageMemory(device.handle(), image, allocation_.memory(), allocation_.offset()),
           "bind an image's memory");
-    const VkImageViewCreateInfo viewInfo{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                         .image = image,
-                                         .viewType = info.depth > 0                  ? VK_IMAGE_VIEW_TYPE_3D
-                                                     : info.array || info.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
-                                                                                     : VK_IMAGE_VIEW_TYPE_2D,
-                                         .format = info.format,
-                                         .subresourceRange = wholeImage(info)};
-    VkImageView view = VK_NULL_HANDLE;
-    check(device.vk.CreateImageView(device.handle(), &viewInfo, nullptr, &view), "create an image view");
-    view_ = UniqueView(device, view);
+    // A view may have only usages that its own format allows.
+    const VkImageUsageFlags viewUsage =
+        isCast(info) ? info.usage & ~VkImageUsageFlags(VK_IMAGE_USAGE_STORAGE_BIT) : info.usage;
+    view_ = wholeView(device, image, info, info.format, viewUsage);
+    if ((info.usage & VK_IMAGE_USAGE_STORAGE_BIT) == 0) return;
+    storageView_ =
+        wholeView(device, image, info, isCast(info) ? info.storageFormat : info.format, VK_IMAGE_USAGE_STORAGE_BIT);
 }
 
 UniqueView Image::layerView(const Device& device, uint32_t layer) const

@@ -71,6 +71,9 @@ struct ImageInfo {
     uint32_t layers = 1;
     bool array = false; ///< viewed as a 2D array even when it has one layer
     VkImageUsageFlags usage = 0;
+    /// With VK_IMAGE_USAGE_STORAGE_BIT, how storageView() has the texels: `format`, or another one of the same size
+    /// (Device::hasStorageView()). Undefined: `format`.
+    VkFormat storageFormat = VK_FORMAT_UNDEFINED;
     VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
 };
 
@@ -82,6 +85,8 @@ public:
     [[nodiscard]] VkImage get() const { return image_.get(); }
     /// All levels and layers.
     [[nodiscard]] VkImageView view() const { return view_.get(); }
+    /// The same for compute shaders to write, of images with VK_IMAGE_USAGE_STORAGE_BIT.
+    [[nodiscard]] VkImageView storageView() const { return storageView_.get(); }
     [[nodiscard]] const ImageInfo& info() const { return info_; }
     /// One layer as a 2D image, to draw into.
     [[nodiscard]] UniqueView layerView(const Device& device, uint32_t layer) const;
@@ -90,6 +95,7 @@ private:
     Allocation allocation_;
     UniqueImage image_;
     UniqueView view_;
+    UniqueView storageView_;
     ImageInfo info_;
 };
 
@@ -124,6 +130,8 @@ inline constexpr ImageState kDepthAttachment{
     VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT};
 inline constexpr ImageState kFragmentRead{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                                           VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
+inline constexpr ImageState kComputeWrite{VK_IMAGE_LAYOUT_GENERAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                          VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
 inline constexpr ImageState kTransferSource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
                                             VK_ACCESS_2_TRANSFER_READ_BIT};
 inline constexpr ImageState kTransferTarget{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,

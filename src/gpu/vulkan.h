@@ -34,6 +34,7 @@ void check(VkResult result, const char* action);
     X(GetPhysicalDeviceProperties2)                                                                                    \
     X(GetPhysicalDeviceFeatures2)                                                                                      \
     X(GetPhysicalDeviceFormatProperties)                                                                               \
+    X(GetPhysicalDeviceImageFormatProperties)                                                                          \
     X(GetPhysicalDeviceMemoryProperties)                                                                               \
     X(GetPhysicalDeviceQueueFamilyProperties)                                                                          \
     X(EnumerateDeviceExtensionProperties)                                                                              \

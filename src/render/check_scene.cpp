@@ -2,7 +2,9 @@
 #include "render/scene/gpu_scene.h"
 
 #include "halflight/base/finite.h"
+#include "halflight/render/compose.h"
 #include "halflight/render/frame.h"
+#include "halflight/scene/light_groups.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +35,40 @@ Status checkPart(const Scene& scene, const MeshPart& part, const std::string& wh
     if (std::any_of(part.indices.begin(), part.indices.end(), [&](uint32_t index) { return index >= count; }))
         return broken("an index lies beyond the vertices", where);
     if (part.material >= int(scene.materials.size())) return broken("the material does not exist", where);
+    return {};
+}
+
+/// Pages of a light group beside those of the rest.
+Status checkGroup(const BakedScene& baked, const BakedGroup& group)
+{
+    const auto wrong = [&](const char* what) { return broken(what, "light group \"" + group.name + "\""); };
+    for (int c = 0; c < 3; ++c)
+        if (!(group.weight[c] >= 0.0f && group.weight[c] <= kMostGroupWeight))
+            return wrong("the weight is out of range");
+    if (!(group.unitLux > 0.0f) || !std::isfinite(group.unitLux)) return wrong("the unit is not a number above 0");
+    if (group.lightmaps.size() != baked.lightmaps.size()) return wrong("there are not as many pages as the rest has");
+    if (!group.directions.empty() && group.directions.size() != baked.lightmapDirections.size())
+        return wrong("there are not as many direction pages as the rest has");
+    for (std::size_t p = 0; p < group.lightmaps.size(); ++p) {
+        const auto fits = [&](const auto& page) { return page.empty() || page.size() == baked.lightmaps[p].size(); };
+        if (!fits(group.lightmaps[p]) || (!group.directions.empty() && !fits(group.directions[p])))
+            return wrong("a page has another size than the rest's");
+    }
+    if (!group.radiance.empty() && group.radiance.size() != baked.probes.probes.size())
+        return wrong("it has not the light of as many probes as there are");
+    return {};
+}
+
+Status checkGroups(const BakedScene& baked)
+{
+    const int count = int(baked.groups.size());
+    if (baked.groups.size() > kMostLightGroups) return broken("there are more than 16 light groups", "");
+    for (const BakedGroup& group : baked.groups)
+        if (Status status = checkGroup(baked, group); !status) return status;
+    for (const Light& light : baked.scene.lights)
+        if (count > 0 && light.baking.group >= count) return broken("its light group does not exist", light.name);
+    for (const Material& material : baked.scene.materials)
+        if (count > 0 && material.bakedGroup >= count) return broken("its light group does not exist", material.name);
     return {};
 }
 
@@ -69,7 +105,6 @@ Status checkScene(const BakedScene& baked)
         if (light.baking.occlusionMaskChannel < -1 ||
             light.baking.occlusionMaskChannel >= baked.maskLayers * kLayerChannels)
             return broken("a shadowmask channel is outside the mask's layers", light.name);
-    if (!baked.groups.empty()) return broken("the bake has light groups: composeGroups() makes a state of it", "");
     if (baked.maskLayers < 1 || baked.maskLayers > kMostMaskLayers)
         return broken("there are not 1 to 4 mask layers", "");
 
@@ -95,7 +130,7 @@ Status checkScene(const BakedScene& baked)
     if (!baked.shadowmasks.empty() &&
         baked.shadowmasks.size() != baked.lightmaps.size() * std::size_t(baked.maskLayers))
         return broken("the file has not as many shadowmask pages as lightmap pages", "");
-    return {};
+    return checkGroups(baked);
 }
 
 const char* problemOf(const Light& light)

@@ -72,7 +72,10 @@ void Renderer::Impl::load(const BakedScene& baked)
     device.waitIdle();
     TextureImages kept = textureImages();
     scene.reset(); // before the next one, so that both need not fit
-    for (FrameSlot& each : slots) each.set = {};
+    for (FrameSlot& each : slots) {
+        each.set = {};
+        each.composeSet = {};
+    }
     Uploaded uploaded;
     uploaded.scene = std::make_unique<GpuScene>(uploadScene(device, baked, std::move(kept), TextureDetail::Full));
     uploaded.switchesAtBake = shadowSwitches(baked.scene);
@@ -95,8 +98,9 @@ void Renderer::Impl::show(Uploaded& uploaded)
 
 PreparedFrame Renderer::Impl::prepare(const Camera& camera, const RenderSettings& settings)
 {
-    if (!scene->changedObjects.empty()) {
-        device.waitIdle(); // frames in flight read the objects as they were
+    if (scene->groups.membersChanged || !scene->changedObjects.empty()) {
+        device.waitIdle(); // frames in flight read objects and materials as they were
+        if (scene->groups.membersChanged) uploadGroupMembers(device, *scene);
         uploadChangedObjects(device, *scene);
     }
     PreparedFrame frame;
@@ -104,6 +108,9 @@ PreparedFrame Renderer::Impl::prepare(const Camera& camera, const RenderSettings
     frame.plan = planFrame(scene->outline, scene->bounds, frame.view, settings.mode, settings.shadows);
     for (std::string& warning : switchWarnings(scene->outline, switchesAtBake, settings.mode))
         frame.plan.warnings.push_back(std::move(warning));
+    if (settings.reflectionProbes && settings.mode != RunMode::Realtime)
+        for (std::string& warning : oldReflections(scene->outline, scene->groups.weights))
+            frame.plan.warnings.push_back(std::move(warning));
     if (settings.view == DebugView::Overlap) addOverflowedLights(scene->outline, scene->bounds, frame.view, frame.plan);
 
     DrawLists lists(*scene);
@@ -205,6 +212,20 @@ void Renderer::Impl::endPass(const PassContext& context, const char* name)
     if (slot->timed) slot->timer.mark(context.commands, name);
 }
 
+void Renderer::Impl::recordCompose(const PassContext& context)
+{
+    GroupState& groups = scene->groups;
+    if (!groups.pagesChanged) return;
+    groups.pagesChanged = false;
+    if (!composePipeline) composePipeline = std::make_unique<ComposePipeline>(device, scene->lightmaps.info().format);
+    const gpu::Buffer& sources = slot->lightSources.write(device, groups.pages.sources(groups.weights));
+    slot->composeSet = composePipeline->makeSet(device, groups.pages, sources, scene->lightmaps,
+                                                scene->lightmapDirections, texelSampler.get());
+    composePages(device, context.commands, *composePipeline, slot->composeSet.get(), groups.pages, scene->lightmaps,
+                 scene->lightmapDirections);
+    endPass(context, "compose");
+}
+
 void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasses& shadows)
 {
     VkCommandBuffer commands = context.commands;
@@ -270,6 +291,7 @@ void Renderer::Impl::recordFrame(VkCommandBuffer commands, FrameSlot& to, const 
 {
     beginRecording(commands, to, timings);
     const PassContext context{device, *scene, pipelines, to.set.get(), commands, counts};
+    recordCompose(context);
     recordShadows(context, frame.shadows);
 
     gpu::transition(device, commands, color, gpu::state::kReused, gpu::state::kColorAttachment);

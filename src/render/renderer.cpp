@@ -1,5 +1,6 @@
 #include "halflight/render/renderer.h"
 #include "halflight/base/finite.h"
+#include "halflight/base/rgb9e5.h"
 
 #include "render/passes/samples.h"
 #include "render/renderer_impl.h"
@@ -17,8 +18,8 @@ namespace {
 
 constexpr int kMaxPictureSize = 16384;
 constexpr int kMaxSupersampling = 4;
-/// Passes of a frame that are measured: shadows of three kinds, depth, two of the deferred path, forward, sky, blended,
-/// readback or display.
+/// Passes of a frame that are measured: compose, shadows of three kinds, depth, two of the deferred path, forward, sky,
+/// blended, readback or display.
 constexpr uint32_t kMostPasses = 12;
 
 /// Runs `body`; a failing device or a full memory becomes an error.
@@ -268,8 +269,25 @@ Status Renderer::setLight(int light, const Light& changed)
     next.baking = current.baking;
     next.sourceNode = current.sourceNode;
     current = std::move(next);
+    followLight(*impl_->scene, light);
     ++impl_->revision;
     return {};
+}
+
+Status Renderer::setLightGroup(const std::string& name, vec3 weight)
+{
+    if (!impl_->scene) return Error{ErrorCode::InvalidArgument, "no scene was loaded", ""};
+    const Status status = setGroupWeight(*impl_->scene, name, weight);
+    if (status) ++impl_->revision;
+    return status;
+}
+
+std::vector<GroupWeight> Renderer::lightGroups() const
+{
+    std::vector<GroupWeight> groups;
+    for (std::size_t g = 0; impl_->scene && g < impl_->scene->groups.weights.size(); ++g)
+        groups.push_back({impl_->scene->outline.groups[g].name, impl_->scene->groups.weights[g]});
+    return groups;
 }
 
 Status Renderer::setObjectTransform(int object, const mat4& worldFromObject)
@@ -297,7 +315,9 @@ Status Renderer::setObjectShadows(int object, bool castShadows, bool receiveShad
 Status Renderer::updateLightmaps(std::span<const LightmapRectangle> rectangles)
 {
     if (!impl_->scene) return Error{ErrorCode::InvalidArgument, "no scene was loaded", ""};
-    const gpu::ImageInfo& pages = impl_->scene->lightmaps.info();
+    GroupPages& groups = impl_->scene->groups.pages;
+    const gpu::Image& target = groups.any() ? groups.pages() : impl_->scene->lightmaps;
+    const gpu::ImageInfo& pages = target.info();
     std::vector<gpu::Uploader::Box> boxes;
     for (const LightmapRectangle& r : rectangles) {
         if (r.texels == nullptr || r.texels->empty()) continue;
@@ -317,8 +337,11 @@ Status Renderer::updateLightmaps(std::span<const LightmapRectangle> rectangles)
         gpu::Uploader uploader(impl_->device);
         // One at a time, with a barrier between, because they may overlap.
         for (const gpu::Uploader::Box& box : boxes)
-            uploader.boxes(impl_->scene->lightmaps, gpu::state::kFragmentRead, {&box, 1}, sizeof(uint32_t));
+            uploader.boxes(target, gpu::state::kFragmentRead, {&box, 1}, sizeof(uint32_t));
         uploader.finish();
+        for (const LightmapRectangle& r : rectangles)
+            if (groups.any() && r.texels != nullptr) groups.raisePeak(brightestOf(*r.texels));
+        if (groups.any()) pagesOfGroupsChanged(*impl_->scene);
         ++impl_->revision;
         return true;
     });

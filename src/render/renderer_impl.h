@@ -4,6 +4,7 @@
 
 #include "halflight/render/renderer.h"
 #include "halflight/render/vulkan_target.h"
+#include "render/passes/compose_pass.h"
 #include "render/passes/display_pass.h"
 #include "render/passes/passes.h"
 #include "render/scene/frame_data.h"
@@ -106,6 +107,8 @@ struct FrameSlot {
     FrameBuffer tiles{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
     FrameBuffer clusters{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
     FrameBuffer instances{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    FrameBuffer lightSources{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT}; ///< of the compose pass, and its set
+    gpu::DescriptorSet composeSet;
     gpu::Timer timer;
     bool timed = false;              ///< its passes are measured
     std::vector<PassReport> reports; ///< of the passes recorded so far
@@ -139,6 +142,8 @@ struct Renderer::Impl {
     void recordFrame(VkCommandBuffer commands, FrameSlot& slot, const PreparedFrame& frame, bool timings);
     void recordPicture(VkCommandBuffer commands, FrameSlot& slot, PictureContent content, const DisplayValues& display);
     void beginRecording(VkCommandBuffer commands, FrameSlot& slot, bool timings);
+    /// Adds up the pages of light groups where weights have changed.
+    void recordCompose(const PassContext& context);
     void recordShadows(const PassContext& context, const ShadowPasses& shadows);
     void recordDeferred(const PassContext& context, const CameraDraws& draws, int maskLayers);
     void endPass(const PassContext& context, const char* name);
@@ -155,6 +160,7 @@ struct Renderer::Impl {
     std::unique_ptr<ForwardPipelines> forwardPipelines[kMostMaskLayers + 1];
     std::future<std::unique_ptr<ForwardPipelines>> preparedForward[2];         ///< the same, while a thread makes them
     std::unique_ptr<DeferredPipelines> deferredPipelines[kMostMaskLayers + 1]; ///< as forwardPipelines
+    std::unique_ptr<ComposePipeline> composePipeline;         ///< made with the first scene that has light groups
     std::map<VkFormat, gpu::UniquePipeline> displayPipelines; ///< by the target's format, made when first used
     gpu::UniqueSampler pageSampler;
     gpu::UniqueSampler shadowSampler;

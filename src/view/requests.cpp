@@ -16,7 +16,8 @@ namespace halflight::view {
 
 Shown Viewer::shown() const
 {
-    return {state_, edited_.scene(), shown_.report(), bake_.status(), picture_.report(), comparison_.report(), window_};
+    return {state_,  edited_.scene(), shown_.report(), bake_.status(), picture_.report(), comparison_.report(),
+            window_, edited_.groups()};
 }
 
 void Viewer::take(Answer answer)
@@ -29,7 +30,8 @@ void Viewer::take(Answer answer)
 void Viewer::change(const SceneChange& change)
 {
     edited_.change(change, renderer(), notices_);
-    bake_.sceneChanged();
+    // A weight is no change of what was baked.
+    if (!std::holds_alternative<ChangeGroup>(change)) bake_.sceneChanged();
 }
 
 /// Selects the object or light that a warning names, and looks at it.
@@ -63,7 +65,10 @@ ViewText Viewer::currentCommand() const
 {
     const BakeStatus& status = bake_.status();
     const Scene& ofResult = status.outOfDate ? shown_.baked().scene : edited_.scene();
-    ViewedPicture picture{.scene = edited_.scene(), .atLoad = status.hasResult ? ofResult : edited_.atLoad()};
+    const Scene atLoad = edited_.atLoadWithWeights();
+    ViewedPicture picture{.scene = edited_.scene(), .atLoad = status.hasResult ? ofResult : atLoad};
+    for (const GroupReport& group : edited_.groups())
+        if (group.weight != group.saved) picture.groups.push_back({group.name, group.weight});
     picture.file = status.hasResult ? bake_.file() : files_.file().string();
     if (!status.hasResult) picture.settingsFile = options_.settingsFile.string();
     picture.camera = state_.navigator.camera();
@@ -182,7 +187,7 @@ Status Viewer::answer(Action action)
         if (shown_.isUploading())
             requests_.push_back(action); // of what is shown then
         else if (!bake_.runs())
-            bake_.start(std::make_unique<BakeSession>(edited_.scene(), state_.bake, embreeIntegrators()));
+            bake_.start(std::make_unique<BakeSession>(*edited_.snapshot(), state_.bake, embreeIntegrators()));
         break;
     case Action::CancelBake:
         bake_.cancel();

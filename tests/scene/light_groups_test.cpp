@@ -2,6 +2,7 @@
 
 #include "fixtures.h"
 
+#include "halflight/scene/gltf.h"
 #include "halflight/scene/light_groups.h"
 
 #include <gmock/gmock.h>
@@ -188,6 +189,42 @@ TEST(LightGroupsS33, EachSourceOrNoneIsAGroup)
     const auto tooMany = groupLights(*scene, GroupChoice::Each);
     ASSERT_FALSE(tooMany);
     EXPECT_THAT(tooMany.error().text(), HasSubstr("has 20 light groups, and a bake has at most 16"));
+}
+
+// What a file of version 3 says of its groups fits together, or one sentence names what does not.
+TEST(LightGroupsS33, FilesWithBadGroupsAreRefused)
+{
+    using Json = decltype(GltfBuilder().json);
+    const auto refusal = [](const Json& groups, int version = 3) {
+        const TemporaryFolder folder;
+        GltfBuilder file;
+        file.triangle();
+        file.json["extensionsUsed"] = {"HALFLIGHT_mixed_lighting"};
+        file.json["extensions"]["HALFLIGHT_mixed_lighting"] = {
+            {"version", version}, {"mode", "shadowmask"}, {"groups", groups}};
+        const auto baked = readBakedScene(file.write(folder));
+        return baked ? std::string("read") : baked.error().text();
+    };
+    const Json good = {{"name", "lamps"}, {"weight", {1, 0.5, 0}}};
+    const auto with = [&](const char* key, const Json& value) {
+        Json group = good;
+        group[key] = value;
+        return Json::array({group});
+    };
+    EXPECT_EQ(refusal(Json::array({good})), "read");
+    EXPECT_THAT(refusal(Json::array({good}), 2), HasSubstr("version has no groups"));
+    EXPECT_THAT(refusal(5), HasSubstr("groups: is 5, not an array"));
+    EXPECT_THAT(refusal(Json::array({good, good})), HasSubstr("no name of its own"));
+    EXPECT_THAT(refusal(with("name", "")), HasSubstr("no name of its own"));
+    EXPECT_THAT(refusal(with("weight", {1, 0})), HasSubstr("weight"));
+    EXPECT_THAT(refusal(with("weight", {1, 0, -1})), HasSubstr("weight"));
+    EXPECT_THAT(refusal(with("lightmaps", Json::array({Json::object()}))), HasSubstr("lightmaps"));
+    EXPECT_THAT(refusal(with("lightmapUnitLux", 0)), HasSubstr("lightmapUnitLux"));
+    Json many = Json::array();
+    for (int i = 0; i < 17; ++i) many.push_back({{"name", std::to_string(i)}, {"weight", {1, 1, 1}}});
+    EXPECT_THAT(refusal(many), HasSubstr("16"));
+    for (const std::string& sentence : {refusal(5), refusal(many)})
+        EXPECT_THAT(sentence, testing::Not(HasSubstr("\n")));
 }
 
 } // namespace

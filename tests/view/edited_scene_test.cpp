@@ -4,6 +4,7 @@
 #include "bake/test_room.h"
 #include "base/temp_folder.h"
 #include "halflight/base/file.h"
+#include "render/scene/light_groups_scene.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
@@ -90,6 +91,66 @@ TEST_F(EditedScenes, AreWrittenAsASettingsFileAfterTheRulesInUse)
               wrote + "; settings files cannot hold a place");
     EXPECT_EQ(textOf(folder / "mine_2.toml"), rules + "\nanother") << "this session's own";
     EXPECT_EQ(textOf(mine), rules) << "it is the user's";
+}
+
+/// The same with light groups.
+class EditedGroupsS33 : public EditedScenes {
+protected:
+    void SetUp() override
+    {
+        EditedScenes::SetUp();
+        baked = test::groupedScene();
+        ASSERT_TRUE(renderer->load(baked));
+        edited.beginFile(baked.scene);
+        edited.showGroups(baked.groups);
+    }
+    vec3 lightOf(const Scene& scene, std::size_t i) { return scene.lights[i].color * scene.lights[i].intensity; }
+};
+
+// What is baked next, and what the reference traces, has the light that is drawn.
+TEST_F(EditedGroupsS33, SceneFollowsTheWeights)
+{
+    edited.change(ChangeGroup{"lamp", vec3(2.0f)}, *renderer, notices);
+    edited.change(ChangeGroup{"neon", vec3(0.5f)}, *renderer, notices);
+    edited.change(ChangeGroup{"day", vec3(3.0f)}, *renderer, notices);
+    EXPECT_EQ(lightOf(edited.scene(), 0), vec3(40.0f));
+    const auto scene = edited.snapshot();
+    EXPECT_EQ(scene->materials[1].emissiveNits, 0.5f * baked.scene.materials[1].whiteNits);
+    EXPECT_EQ(scene->sky.zenith, 3.0f * baked.scene.sky.zenith);
+    for (std::size_t i = 0; i < baked.scene.lights.size(); ++i) {
+        EXPECT_EQ(lightOf(renderer->scene(), i), lightOf(edited.scene(), i));
+        EXPECT_EQ(lightOf(edited.atLoadWithWeights(), i), lightOf(edited.scene(), i));
+    }
+    EXPECT_EQ(edited.groups()[0].weight, vec3(2.0f));
+    EXPECT_EQ(edited.groups()[0].saved, baked.groups[0].weight);
+    edited.change(ChangeGroup{"neon", vec3(0.0f)}, *renderer, notices);
+    EXPECT_EQ(edited.groups()[3].color, vec3(1.0f)) << "of the weight before";
+    EXPECT_TRUE(notices.warnings().empty());
+}
+
+TEST_F(EditedGroupsS33, ALightOfItsOwnSetsTheWeight)
+{
+    Light sun = edited.scene().lights[1];
+    sun.intensity *= 2.0f;
+    edited.change(ChangeLight{1, sun}, *renderer, notices);
+    EXPECT_EQ(edited.groups()[1].weight, 2.0f * baked.groups[1].weight);
+    EXPECT_EQ(renderer->lightGroups()[1].weight, edited.groups()[1].weight);
+}
+
+TEST_F(EditedGroupsS33, WeightsAreRepeatedInTheNextScene)
+{
+    const auto begin = EditedScene::Clock::now();
+    edited.change(ChangeGroup{"lamp", vec3(2.0f)}, *renderer, notices);
+    ASSERT_TRUE(renderer->load(baked));
+    edited.showGroups(baked.groups);
+    EXPECT_EQ(edited.groups()[0].weight, vec3(2.0f));
+    EXPECT_EQ(renderer->lightGroups()[0].weight, baked.groups[0].weight);
+    EXPECT_TRUE(edited.repeat(begin, *renderer));
+    EXPECT_EQ(renderer->lightGroups()[0].weight, vec3(2.0f));
+    edited.showGroups({}); // a bake of the window
+    EXPECT_TRUE(edited.groups().empty());
+    EXPECT_EQ(lightOf(edited.scene(), 0), vec3(40.0f));
+    EXPECT_EQ(lightOf(*edited.snapshot(), 0), vec3(40.0f));
 }
 
 } // namespace

@@ -69,7 +69,7 @@ protected:
     }
 
     void press(int key, bool control = false) { take(answerKey(shown(), key, control)); }
-    Shown shown() const { return {state, scene, report, bake, picture, comparison, window}; }
+    Shown shown() const { return {state, scene, report, bake, picture, comparison, window, groups}; }
     void take(Answer answer)
     {
         state = std::move(answer.choices);
@@ -91,6 +91,7 @@ protected:
     PictureReport picture;
     CompareReport comparison;
     WindowReport window;
+    std::vector<GroupReport> groups;
     std::vector<SceneChange> changes; ///< and requests, since they were last looked at
     std::vector<Request> requests;
 };
@@ -189,6 +190,59 @@ TEST_F(Panels, NumbersThatAreTypedStayWithinTheirLimits)
         show();
         EXPECT_EQ(value, *text == '0' || *text == '-' ? 0.25f : 4.0f) << text;
     }
+}
+
+// Weights are typed beyond the slider's end, and what is no weight is cut; off keeps the colour.
+TEST_F(Panels, GroupsHaveASliderAndAColourS33)
+{
+    groups = {{"lamps", vec3(0.5f, 0.25f, 0.0f), vec3(1.0f), vec3(1.0f, 0.5f, 0.0f)}};
+    const auto show = [&] {
+        ImGui::NewFrame();
+        ImGui::SetNextWindowPos(ImVec2(0, 0));
+        ImGui::SetNextWindowSize(ImVec2(390, 390));
+        ImGui::Begin("panels");
+        Answer answer{state, {}, {}};
+        groupSection(shown(), answer);
+        ImGui::End();
+        ImGui::Render();
+        take(std::move(answer));
+    };
+    ImGuiIO& io = ImGui::GetIO();
+    const auto typeAt = [&](float y, const char* text) {
+        io.MousePos = ImVec2(30.0f, y);
+        show();
+        io.KeyCtrl = io.MouseDown[0] = true;
+        show();
+        io.KeyCtrl = io.MouseDown[0] = false;
+        show();
+        for (const char* c = text; *c != '\0'; ++c) {
+            io.AddInputCharacter(unsigned(*c));
+            show();
+        }
+        io.MousePos = ImVec2(380.0f, 380.0f);
+        io.MouseDown[0] = true; // elsewhere: typing ends
+        show();
+        io.MouseDown[0] = false;
+        show();
+    };
+    const auto typed = [&](float y, const char* text) -> std::optional<vec3> {
+        changes.clear();
+        typeAt(y, text);
+        if (changes.empty()) return std::nullopt;
+        const auto* change = std::get_if<ChangeGroup>(&changes.back());
+        EXPECT_TRUE(change != nullptr && change->name == "lamps");
+        return change != nullptr ? std::optional(change->weight) : std::nullopt;
+    };
+    float slider = -1.0f;
+    for (float y = 30.0f; y < 120.0f && slider < 0.0f; y += 4.0f) // below the title
+        if (typed(y, "7") == vec3(7.0f, 3.5f, 0.0f)) slider = y;
+    ASSERT_GT(slider, 0.0f) << "no slider takes a weight";
+    EXPECT_EQ(typed(slider, "-3"), vec3(0.0f));
+    groups[0].weight = vec3(0.0f);
+    EXPECT_EQ(typed(slider, "0.5"), vec3(0.5f, 0.25f, 0.0f));
+    const std::optional<vec3> huge = typed(slider, "1e30");
+    ASSERT_TRUE(huge);
+    EXPECT_TRUE(std::isfinite(huge->x) && huge->x >= 1.0e9f);
 }
 
 TEST(ShownName, HidesNothing)

@@ -1,13 +1,19 @@
 #pragma once
-// A state of a bake with light groups (spec S33), as a bake without groups.
+// States of a bake with light groups (spec S33): what weights make of its light and of the members of groups. The
+// renderer adds the pages itself (Renderer::setLightGroup()); composeGroups() makes a bake without groups of a state.
 
 #include "halflight/base/result.h"
 #include "halflight/scene/baked_scene.h"
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace halflight {
+
+/// The largest weight that may be set.
+constexpr float kMostGroupWeight = 1.0e12f;
 
 /// A weight by the name of its group.
 struct GroupWeight {
@@ -16,16 +22,45 @@ struct GroupWeight {
 };
 
 /// The saved weights of the groups, with those of `changes`. "sky" stands for all parts of a sky that changes.
-/// InvalidArgument names groups that the bake lacks.
+/// InvalidArgument names groups that the bake lacks, and weights outside 0 to kMostGroupWeight.
 Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vector<GroupWeight>& changes);
+/// One of these changes; `weights` by group.
+Status changeGroupWeight(const BakedScene& baked, const GroupWeight& change, std::vector<vec3>& weights);
 
-/// Adds the light of the groups, each times its weight, to lightmaps, directions, probes and reflection probes.
-/// Members' colours and intensities, emission and the sky are those of the weights. The result has no groups. Does
-/// nothing in a bake without groups.
+/// Adds the light of the groups, each times its weight, to lightmaps, directions, probes, reflection probes and the
+/// colour of subtractive shadows. Members are those of composeMembers() and composedSky(). The result has no groups.
+/// Does nothing in a bake without groups.
 void composeGroups(BakedScene& baked, const std::vector<vec3>& weights);
 
-/// Groups that reflection probes keep at the saved weight, as they have little light there, though `weights` change
-/// them; their names.
-std::vector<std::string> groupsKeptByReflections(const BakedScene& baked, const std::vector<vec3>& weights);
+/// Radiance of the bake's probes: the rest's, and each group's times its weight. `weights`: by group.
+std::vector<SphericalHarmonicsL2> composedRadiance(const BakedScene& baked, std::span<const vec3> weights);
+
+/// Colour and intensity of the lights that are in groups, and emission of materials, at these weights. `saved`: lights
+/// and materials as the file has them, at the saved weights; may be `scene` itself. A light keeps its intensity where
+/// its colour can be at most 1, so that one that is off is black. BakingOutput::atBake follows: bounced light does.
+void composeMembers(const Scene& saved, std::span<const BakedGroup> groups, std::span<const vec3> weights,
+                    Scene& scene);
+
+/// The weight of the sky's group over the saved one: what a sky's picture is multiplied with. 1 where the sky is in
+/// none.
+vec3 composedSkyFactor(std::span<const BakedGroup> groups, std::span<const vec3> weights);
+/// The sky at these weights. `saved`: as the file has it. A picture is multiplied texel by texel.
+Sky composedSky(const Sky& saved, std::span<const BakedGroup> groups, std::span<const vec3> weights);
+
+/// The weight with which the lights of a group are as the scene has them: one factor for all, by channel, to 1/10,000.
+/// `weight`: the group's until now, which channels keep that are black in all of them. Nothing where the lights are not
+/// of one factor, or the group has none.
+std::optional<vec3> weightOfLights(const Scene& scene, int group, vec3 weight);
+
+/// The bake's reflection probes with the pictures of the groups, each times its weight.
+ReflectionSet composedReflections(const BakedScene& baked, std::span<const vec3> weights);
+/// The darkest that subtractive shadows may be, lux, where the author gave no colour.
+vec3 composedShadowColor(const BakedScene& baked, std::span<const vec3> weights);
+
+/// Names of groups that reflection probes show at the saved weight, as they have little light there, though `weights`
+/// change them.
+std::vector<std::string> groupsKeptByReflections(const BakedScene& baked, std::span<const vec3> weights);
+/// A warning for each of them.
+std::vector<std::string> oldReflections(const BakedScene& baked, std::span<const vec3> weights);
 
 } // namespace halflight

@@ -52,6 +52,11 @@ class ProbeInterpolator {
 public:
     explicit ProbeInterpolator(const BakedScene& baked, ProbeOptions options = {});
 
+    /// The same probes with other light, at the price of copying it (spec S33). `radiance`: by BakedScene::probes'
+    /// probes, as many; `sky`: that of skyProbe(), for bakes without valid probes.
+    [[nodiscard]] ProbeInterpolator withLight(std::span<const SphericalHarmonicsL2> radiance,
+                                              const SphericalHarmonicsL2& sky) const;
+
     /// The same for the same position, whatever was sampled before.
     [[nodiscard]] ProbeSample sample(vec3 position) const;
     /// All zero without any valid probe.
@@ -64,7 +69,14 @@ public:
     [[nodiscard]] std::size_t tetrahedronCount() const;
 
 private:
+    struct Light {
+        std::vector<SphericalHarmonicsL2> radiance; ///< by place of the mesh
+        SphericalHarmonicsL2 sky;
+    };
+    [[nodiscard]] const SphericalHarmonicsL2& radianceOf(uint32_t place) const;
+
     std::shared_ptr<const ProbeMesh> mesh_;
+    std::shared_ptr<const Light> light_; ///< in place of the mesh's; null = that
     ProbeOptions options_;
 };
 

@@ -3,6 +3,7 @@
 
 #include "halflight/base/image.h"
 #include "halflight/base/result.h"
+#include "halflight/render/compose.h"
 #include "halflight/render/frame.h"
 #include "halflight/scene/baked_scene.h"
 
@@ -94,9 +95,10 @@ struct RenderedFrame {
     ImageRgba32f radiance; ///< linear, no exposure, no tone mapping; alpha 1
     FramePlan plan;
     std::vector<LightRow> lights; ///< one for each light of the scene; only where RenderSettings::lightRows asks
-    /// In the order of drawing: "directional shadows", "spot shadows", "point shadows", "depth", in the deferred path
-    /// "g-buffer" and "deferred light", then "forward", "sky", "blended", and "readback" (the picture to the host) or
-    /// "display" (the displayed picture into the caller's image).
+    /// In the order of drawing: "compose" where a light group's weight has changed, "directional shadows", "spot
+    /// shadows", "point shadows", "depth", in the deferred path "g-buffer" and "deferred light", then "forward", "sky",
+    /// "blended", and "readback" (the picture to the host) or "display" (the displayed picture into the caller's
+    /// image).
     std::vector<PassReport> passes;
     bool isKept = false; ///< record() showed the last picture once more: RenderSettings::keepsPicture
     bool timed = false;  ///< settings asked for timings and the device has timestamps
@@ -170,14 +172,29 @@ public:
     ///
     /// Everything of a light but its name, its type and what the bake made of it. Baked shadows stay right when colour
     /// or intensity change. FramePlan::warnings names each change that shows nowhere or in part: changesSinceBake().
+    ///
+    /// S33. Where all lights of a light group then have their colour times intensity at the weight 1 times one factor
+    /// by channel, to 1/10,000, that factor is the group's new weight: bounced light, baked lights and emission follow.
+    /// A light that is a group by itself always sets it. Otherwise only the light's direct light changes.
     Status setLight(int light, const Light& changed);
+
+    /// S33. The weight of a light group, by channel, 0 to kMostGroupWeight: what its light at the weight 1 is
+    /// multiplied with. Lights of the group have their colour times intensity at 1 times the weight, in scene() too,
+    /// whatever setLight() made of them; emission, lightmap, probes and the drawn sky follow in the next frame. That
+    /// one has a pass "compose" more, which adds up the lightmap's pages. Reflection probes keep the light of the bake,
+    /// and FramePlan::warnings says so. InvalidArgument names a group that the scene lacks, or a weight that cannot be.
+    Status setLightGroup(const std::string& name, vec3 weight);
+    /// The groups of the loaded scene with their weights now, in the file's order.
+    [[nodiscard]] std::vector<GroupWeight> lightGroups() const;
+
     /// A dynamic object takes the probe light of its new place. A static one keeps its lightmap.
     Status setObjectTransform(int object, const mat4& worldFromObject);
     /// Baked shadows do not follow: FramePlan::warnings names static objects whose switches differ from the bake's.
     Status setObjectShadows(int object, bool castShadows, bool receiveShadows);
 
     /// Replaces rectangles of lightmap pages, of a bake that still runs, say (BakeSession). Texels are in the scene's
-    /// lightmapUnitLux. InvalidArgument for rectangles that are not on a page; nothing changes then.
+    /// lightmapUnitLux; in a scene with light groups they are the rest's. InvalidArgument for rectangles that are not
+    /// on a page; nothing changes then.
     Status updateLightmaps(std::span<const LightmapRectangle> rectangles);
 
     /// S32. Irradiance (lux) that is added to the lightmap's in every mode that reads lightmaps, after subtraction: one

@@ -18,7 +18,7 @@ struct VulkanHandles {
     VkInstance instance = VK_NULL_HANDLE;
     VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
-    uint32_t queueFamily = 0; ///< a family that can draw
+    uint32_t queueFamily = 0; ///< a family that can draw and run compute shaders
     VkQueue queue = VK_NULL_HANDLE;
     bool samplerAnisotropy = false; ///< the feature is enabled
     /// Held for each use of the queue and while the device is waited for, since Vulkan lets one thread at a time do

@@ -74,4 +74,11 @@ void groupEmission(Scene& scene, const std::vector<std::string>& groups);
 /// The sky with its light times a colour.
 Sky scaledSky(const Sky& sky, vec3 factor);
 
+/// What a sky in a group is multiplied with for another weight than `saved`, with which the file has it; 0 in a channel
+/// in which it is black. All there is to a picture; a gradient's black channels are white by skyAtWeight().
+vec3 skyFactor(vec3 saved, vec3 weight);
+/// The sky of a group of the saved weight `saved` at another one: white light by LightGrouping's rule, times the
+/// weight.
+Sky skyAtWeight(const Sky& sky, vec3 saved, vec3 weight);
+
 } // namespace halflight

@@ -13,6 +13,7 @@
 #define HALFLIGHT_SHADING_DIRECTIONAL_H
 
 #include "brdf.h"
+#include "luminance.h"
 
 HL_NAMESPACE_BEGIN
 
@@ -73,6 +74,19 @@ HL_FN vec3 encodeMeanDirection(vec3 meanDirection)
 HL_FN vec3 decodeMeanDirection(vec3 encoded)
 {
     return encoded * 2.0f - 1.0f;
+}
+
+// Light that is added up (S33), each with a direction of its own: the mean direction of all is the sum of luminance
+// times direction over the luminance of the sum, as d is a mean over luminance.
+HL_FN vec3 directionMoment(vec3 irradiance, vec3 encodedDirection)
+{
+    return luminanceOf(irradiance) * decodeMeanDirection(encodedDirection);
+}
+// `moment`: the sum of directionMoment() of what makes up `irradiance`. Without light, no direction.
+HL_FN vec3 encodeMomentDirection(vec3 irradiance, vec3 moment)
+{
+    float all = luminanceOf(irradiance);
+    return encodeMeanDirection(all > 0.0f ? moment / all : vec3(0.0f));
 }
 
 HL_NAMESPACE_END

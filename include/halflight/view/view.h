@@ -34,8 +34,9 @@ struct ViewedPicture {
     float exposureEv = 0.0f;
     ToneMapping toneMapping = ToneMapping::Neutral;
     bool shadowDistanceGiven = false;
-    const Scene& scene;  ///< as it is now
-    const Scene& atLoad; ///< as the files have it
+    std::vector<GroupWeight> groups; ///< light groups whose weight is not the file's
+    const Scene& scene;              ///< as it is now
+    const Scene& atLoad;             ///< as the files have it, with the weights of `groups`
 };
 
 struct ViewText {
@@ -63,7 +64,8 @@ struct ViewOptions {
     const std::atomic<bool>* cancel = nullptr; ///< ends when set
     /// The command line that renders the picture, for screenshots and the clipboard.
     std::function<ViewText(const ViewedPicture& picture)> commandLine;
-    /// Changes of lights and objects as a settings file; empty where there are none.
+    /// Changes of lights and objects as a settings file, those by light groups' weights among them; empty where there
+    /// are none. `atLoad` has lights, objects, materials and sky.
     std::function<ViewText(const Scene& scene, const Scene& atLoad)> settingsText;
     /// A line for people, e.g. a screenshot's command line.
     std::function<void(const std::string& line)> say;

@@ -2,10 +2,7 @@
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/rgb9e5.h"
-#include "halflight/scene/light_groups.h"
-#include "halflight/shading/color.h"
 #include "halflight/shading/directional.h"
-#include "render/frame/compose_reflections.h"
 
 #include <algorithm>
 
@@ -29,7 +26,7 @@ void addPage(const PageLight& page, ImageRgb32f& light, ImageRgb32f& moments)
             light.data()[i] += own;
             if (moments.empty() || page.directions == nullptr) continue;
             const vec3 encoded = vec3(page.directions->data()[i]) / 255.0f;
-            moments.data()[i] += luminance(own) * shading::decodeMeanDirection(encoded);
+            moments.data()[i] += shading::directionMoment(own, encoded);
         }
     });
 }
@@ -38,9 +35,7 @@ void addPage(const PageLight& page, ImageRgb32f& light, ImageRgb32f& moments)
 void encodeDirectionsOf(const ImageRgb32f& light, const ImageRgb32f& moments, ImageRgba8& directions)
 {
     for (std::size_t i = 0; i < light.texelCount(); ++i) {
-        const float all = luminance(light.data()[i]);
-        const vec3 direction = all > 0.0f ? moments.data()[i] / all : vec3(0.0f);
-        const vec3 encoded = shading::encodeMeanDirection(direction) * 255.0f + 0.5f;
+        const vec3 encoded = shading::encodeMomentDirection(light.data()[i], moments.data()[i]) * 255.0f + 0.5f;
         directions.data()[i] = u8vec4(u8vec4::value_type(encoded.x), u8vec4::value_type(encoded.y),
                                       u8vec4::value_type(encoded.z), directions.data()[i].w);
     }
@@ -73,50 +68,6 @@ void composePages(BakedScene& baked, const std::vector<vec3>& weights)
     for (std::size_t p = 0; p < pages.size(); ++p) baked.lightmaps[p] = encodeRgb9e5(pages[p], baked.lightmapUnitLux);
 }
 
-/// The light of a lamp as a colour of at most 1 and an intensity, which stays where it can.
-void setLight(Light& light, vec3 colorIntensity)
-{
-    const float most = std::max({colorIntensity.x, colorIntensity.y, colorIntensity.z});
-    if (!(most > 0.0f)) {
-        light.intensity = 0.0f;
-        return;
-    }
-    if (!(light.intensity >= most)) light.intensity = most;
-    light.color = colorIntensity / light.intensity;
-}
-
-/// Colours of members at weights that are not the saved ones.
-void composeSources(BakedScene& baked, const std::vector<vec3>& weights)
-{
-    const auto isChanged = [&](int group) {
-        return group >= 0 && weights[std::size_t(group)] != baked.groups[std::size_t(group)].weight;
-    };
-    for (Light& light : baked.scene.lights) {
-        if (isChanged(light.baking.group)) {
-            setLight(light, light.baking.white * weights[std::size_t(light.baking.group)]);
-            light.baking.atBake.colorIntensity = light.color * light.intensity;
-        }
-        light.baking.group = -1;
-    }
-    for (Material& material : baked.scene.materials) {
-        if (isChanged(material.bakedGroup))
-            material.emissiveNits = material.whiteNits * weights[std::size_t(material.bakedGroup)];
-        material.bakedGroup = -1;
-    }
-    for (std::size_t g = 0; g < baked.groups.size(); ++g) {
-        if (!baked.groups[g].sky || !isChanged(int(g))) continue;
-        if (vec3* part = skyPartOf(baked.scene.sky, baked.groups[g].name)) {
-            *part = weights[g];
-            continue;
-        }
-        const vec3 saved = baked.groups[g].weight;
-        vec3 factor(0.0f); // a sky that is black in a channel stays so
-        for (int c = 0; c < 3; ++c)
-            if (saved[c] > 0.0f) factor[c] = weights[g][c] / saved[c];
-        baked.scene.sky = scaledSky(baked.scene.sky, factor);
-    }
-}
-
 Error noGroup(const BakedScene& baked, const std::string& name)
 {
     std::string names;
@@ -130,37 +81,63 @@ Error noGroup(const BakedScene& baked, const std::string& name)
 
 } // namespace
 
+Status changeGroupWeight(const BakedScene& baked, const GroupWeight& change, std::vector<vec3>& weights)
+{
+    const auto isNamed = [&](const BakedGroup& group) { return group.name == change.name; };
+    // "sky" stands for all parts of a sky that changes.
+    const bool parts = change.name == "sky" && std::ranges::none_of(baked.groups, isNamed);
+    bool found = false;
+    for (int c = 0; c < 3; ++c)
+        if (!(change.weight[c] >= 0.0f && change.weight[c] <= kMostGroupWeight))
+            return Error{ErrorCode::InvalidArgument,
+                         "the weight of light group \"" + change.name + "\" is not a number of 0 to 10^12", ""};
+    for (std::size_t g = 0; g < baked.groups.size(); ++g) {
+        if (parts ? !baked.groups[g].name.starts_with("sky.") : !isNamed(baked.groups[g])) continue;
+        weights[g] = change.weight;
+        found = true;
+    }
+    if (!found) return noGroup(baked, change.name);
+    return {};
+}
+
 Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vector<GroupWeight>& changes)
 {
     std::vector<vec3> weights;
     for (const BakedGroup& group : baked.groups) weights.push_back(group.weight);
-    for (const GroupWeight& change : changes) {
-        const auto isNamed = [&](const BakedGroup& group) { return group.name == change.name; };
-        // "sky" stands for all parts of a sky that changes.
-        const bool parts = change.name == "sky" && std::ranges::none_of(baked.groups, isNamed);
-        bool found = false;
-        for (std::size_t g = 0; g < baked.groups.size(); ++g) {
-            if (parts ? !baked.groups[g].name.starts_with("sky.") : !isNamed(baked.groups[g])) continue;
-            weights[g] = change.weight;
-            found = true;
-        }
-        if (!found) return noGroup(baked, change.name);
-    }
+    for (const GroupWeight& change : changes)
+        if (Status s = changeGroupWeight(baked, change, weights); !s) return s.error();
     return weights;
+}
+
+vec3 composedShadowColor(const BakedScene& baked, std::span<const vec3> weights)
+{
+    vec3 color = baked.defaultShadowColor;
+    for (std::size_t g = 0; g < baked.groups.size(); ++g) color += weights[g] * baked.groups[g].shadowColor;
+    return color;
+}
+
+std::vector<SphericalHarmonicsL2> composedRadiance(const BakedScene& baked, std::span<const vec3> weights)
+{
+    std::vector<SphericalHarmonicsL2> radiance;
+    for (const Probe& probe : baked.probes.probes) radiance.push_back(probe.radiance);
+    for (std::size_t g = 0; g < baked.groups.size(); ++g)
+        for (std::size_t i = 0; i < baked.groups[g].radiance.size(); ++i)
+            for (std::size_t k = 0; k < 9; ++k) radiance[i][k] += weights[g] * baked.groups[g].radiance[i][k];
+    return radiance;
 }
 
 void composeGroups(BakedScene& baked, const std::vector<vec3>& weights)
 {
     if (baked.groups.empty()) return;
     composePages(baked, weights);
-    composeReflections(baked, weights);
-    for (std::size_t g = 0; g < baked.groups.size(); ++g)
-        baked.defaultShadowColor += weights[g] * baked.groups[g].shadowColor;
-    for (std::size_t g = 0; g < baked.groups.size(); ++g)
-        for (std::size_t i = 0; i < baked.groups[g].radiance.size(); ++i)
-            for (std::size_t k = 0; k < 9; ++k)
-                baked.probes.probes[i].radiance[k] += weights[g] * baked.groups[g].radiance[i][k];
-    composeSources(baked, weights);
+    baked.reflections = composedReflections(baked, weights);
+    baked.defaultShadowColor = composedShadowColor(baked, weights);
+    const std::vector<SphericalHarmonicsL2> radiance = composedRadiance(baked, weights);
+    for (std::size_t i = 0; i < radiance.size(); ++i) baked.probes.probes[i].radiance = radiance[i];
+    composeMembers(baked.scene, baked.groups, weights, baked.scene);
+    baked.scene.sky = composedSky(baked.scene.sky, baked.groups, weights);
+    for (Light& light : baked.scene.lights) light.baking.group = -1;
+    for (Material& material : baked.scene.materials) material.bakedGroup = -1;
     baked.groups.clear();
 }
 

@@ -1,5 +1,4 @@
-#include "render/frame/compose_reflections.h"
-
+// Reflection probes of a state of light groups (spec S33).
 #include "halflight/base/image_filter.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/rgb9e5.h"
@@ -28,10 +27,10 @@ void addLevel(const ImageRgb32f& from, int fromSize, int fromTop, vec3 weight, i
 
 } // namespace
 
-void composeReflections(BakedScene& baked, const std::vector<vec3>& weights)
+ReflectionSet composedReflections(const BakedScene& baked, std::span<const vec3> weights)
 {
-    ReflectionSet& set = baked.reflections;
-    if (set.probes.empty()) return;
+    ReflectionSet set = baked.reflections;
+    if (set.probes.empty() || baked.groups.empty()) return set;
     ImageRgb32f picture = decodeRgb9e5(set.picture, set.unitNits);
     for (std::size_t g = 0; g < baked.groups.size(); ++g) {
         const ReflectionSet& own = baked.groups[g].reflections;
@@ -46,9 +45,10 @@ void composeReflections(BakedScene& baked, const std::vector<vec3>& weights)
     }
     set.unitNits = rgb9e5Unit(picture);
     set.picture = encodeRgb9e5(picture, set.unitNits);
+    return set;
 }
 
-std::vector<std::string> groupsKeptByReflections(const BakedScene& baked, const std::vector<vec3>& weights)
+std::vector<std::string> groupsKeptByReflections(const BakedScene& baked, std::span<const vec3> weights)
 {
     std::vector<std::string> names;
     if (baked.reflections.probes.empty()) return names;
@@ -56,6 +56,16 @@ std::vector<std::string> groupsKeptByReflections(const BakedScene& baked, const 
         if (baked.groups[g].reflections.size == 0 && weights[g] != baked.groups[g].weight)
             names.push_back(baked.groups[g].name);
     return names;
+}
+
+std::vector<std::string> oldReflections(const BakedScene& baked, std::span<const vec3> weights)
+{
+    std::vector<std::string> warnings;
+    for (const std::string& name : groupsKeptByReflections(baked, weights))
+        warnings.push_back("the light group " + name +
+                           " has less than 1 % of what reflection probes show: glossy surfaces reflect it as it was in "
+                           "the bake");
+    return warnings;
 }
 
 } // namespace halflight

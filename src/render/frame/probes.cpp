@@ -53,22 +53,41 @@ ProbeInterpolator::ProbeInterpolator(const BakedScene& baked, ProbeOptions optio
     : mesh_(std::make_shared<const ProbeMesh>(baked)), options_(options)
 {}
 
+ProbeInterpolator ProbeInterpolator::withLight(std::span<const SphericalHarmonicsL2> radiance,
+                                               const SphericalHarmonicsL2& sky) const
+{
+    auto light = std::make_shared<Light>();
+    for (const uint32_t source : mesh_->sources()) light->radiance.push_back(radiance[source]);
+    light->sky = sky;
+    ProbeInterpolator other = *this;
+    other.light_ = std::move(light);
+    return other;
+}
+
+const SphericalHarmonicsL2& ProbeInterpolator::radianceOf(uint32_t place) const
+{
+    return light_ ? light_->radiance[place] : mesh_->probes()[place].radiance;
+}
+
 ProbeSample ProbeInterpolator::sample(vec3 position) const
 {
     ProbeSample sum = mesh_->sky();
+    if (light_) sum.radiance = light_->sky;
     if (!mesh_->empty()) {
         const ProbeWeights weights = mesh_->weights(position);
         // As the difference from the probe with the largest share: what all four agree on stays what it is to the bit,
         // a channel without a light exactly 1.
         const auto largest = std::max_element(weights.weights.begin(), weights.weights.end());
-        const Probe& base = mesh_->probes()[weights.probes[std::size_t(largest - weights.weights.begin())]];
-        sum.radiance = base.radiance;
+        const uint32_t basePlace = weights.probes[std::size_t(largest - weights.weights.begin())];
+        const Probe& base = mesh_->probes()[basePlace];
+        const SphericalHarmonicsL2& baseRadiance = radianceOf(basePlace);
+        sum.radiance = baseRadiance;
         sum.occlusion = base.occlusion;
         for (std::size_t i = 0; i < 4; ++i) {
             const Probe& probe = mesh_->probes()[weights.probes[i]];
             if (&probe == &base || weights.weights[i] == 0.0f) continue;
-            for (std::size_t k = 0; k < 9; ++k)
-                sum.radiance[k] += weights.weights[i] * (probe.radiance[k] - base.radiance[k]);
+            const SphericalHarmonicsL2& radiance = radianceOf(weights.probes[i]);
+            for (std::size_t k = 0; k < 9; ++k) sum.radiance[k] += weights.weights[i] * (radiance[k] - baseRadiance[k]);
             sum.occlusion += weights.weights[i] * (probe.occlusion - base.occlusion);
         }
         sum.occlusion = saturate(sum.occlusion);

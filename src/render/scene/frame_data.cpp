@@ -1,6 +1,7 @@
 #include "render/scene/frame_data.h"
 
 #include "halflight/base/mathematics.h"
+#include "halflight/render/compose.h"
 #include "halflight/shading/law.h"
 #include "halflight/shading/light.h"
 
@@ -74,8 +75,11 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.skyHorizon = vec4(sky.horizon, 0.0f);
     frame.skyGround = vec4(sky.ground, 0.0f);
     frame.skyPicture = skyPictureOfFrame(scene.sky, sky);
-    frame.subtractiveShadowColor = vec4(settings.subtractiveShadowColor.value_or(subtractiveShadowColor(scene.outline)),
-                                        scene.outline.lightmapUnitLux);
+    frame.skyPictureNits = vec4(scene.sky.unitNits * scene.skyFactor, 0.0f);
+    const vec3 ownShadowColor =
+        scene.outline.scene.subtractiveShadowColor.value_or(composedShadowColor(scene.outline, scene.groups.weights));
+    frame.subtractiveShadowColor =
+        vec4(settings.subtractiveShadowColor.value_or(ownShadowColor), scene.lightmapUnitLux);
     for (int c = 0; c < kMostMaskLayers * kLayerChannels; ++c) {
         const MaskChannel& channel = scene.outline.maskChannels[std::size_t(c)];
         frame.maskRange[c / kLayerChannels][c % kLayerChannels] = channel.rangeTexels;

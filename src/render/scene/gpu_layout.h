@@ -82,7 +82,8 @@ struct GpuFrame {
     vec4 skyZenith;      // rgb cd/m2
     vec4 skyHorizon;
     vec4 skyGround;
-    vec4 skyPicture; // xy cosine and sine of its rotation, z width in texels (0 = the gradient), w cd/m2 of 1
+    vec4 skyPicture;             // xy cosine and sine of its rotation, z width in texels (0 = the gradient)
+    vec4 skyPictureNits;         // rgb cd/m2 of 1
     vec4 subtractiveShadowColor; // rgb lux; w lux that a lightmap texel of 1 stands for
     vec4 maskRange[4];           // by mask layer and channel, MaskChannel::rangeTexels
     vec4 maskPenumbra[4];        // by mask layer and channel, MaskChannel::penumbraTexels
@@ -150,6 +151,24 @@ struct GpuMaterial {
     ivec4 info;            // x 1 = unlit, y 1 = receives shadows, z 1 = alpha is coverage
     vec4 reflection;       // x specular factor, y what glass lets through where its texture says 1 and metallic is 0
     GpuTextureRef textures[kMaterialTextures];
+};
+
+// Descriptor bindings of the compose pass (S33), in a set of its own.
+HL_CONST int kBindSourcePages = 0;      // of the rest and of groups, a layer for each page with light
+HL_CONST int kBindSourceDirections = 1; // of those that have directions
+HL_CONST int kBindSources = 2;
+HL_CONST int kBindComposedPages = 3;
+HL_CONST int kBindComposedDirections = 4;
+HL_CONST int kComposeSide = 8; // texels along a side of a group of invocations
+
+// What a page is composed of. The first one is the rest's.
+struct GpuLightSource {
+    vec4 weight; // rgb: its unit times its weight, over the unit of the sum
+    ivec4 info;  // x layer of its page, -1 where the list ends; y layer of its directions, -1 none
+};
+
+struct GpuCompose {
+    ivec4 size; // xy texels of a page, z sources in the list of each page, w 1 = pages have directions
 };
 
 HL_CONST int kLightHasBaked = 1;

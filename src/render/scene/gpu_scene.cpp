@@ -4,6 +4,7 @@
 
 #include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
+#include "halflight/render/compose.h"
 #include "halflight/render/frame.h"
 #include "render/frame/frame_internal.h"
 #include "render/scene/mipmaps.h"
@@ -277,31 +278,6 @@ bool isMirrored(const Object& object)
     return glm::determinant(mat3(object.worldFromObject)) < 0.0f;
 }
 
-BakedScene outlineOf(const BakedScene& baked)
-{
-    BakedScene outline;
-    outline.mode = baked.mode;
-    outline.isBaked = baked.isBaked;
-    outline.lightmaps.resize(baked.lightmaps.size());
-    outline.maskLayers = baked.maskLayers;
-    outline.maskChannels = baked.maskChannels;
-    outline.lightmapUnitLux = baked.lightmapUnitLux;
-    outline.shadowmasks.resize(baked.shadowmasks.size());
-    outline.lightmapDirections.resize(baked.lightmapDirections.size());
-    outline.scene.objects = baked.scene.objects;
-    for (const Mesh& mesh : baked.scene.meshes) {
-        std::vector<MeshPart>& parts = outline.scene.meshes.emplace_back().parts;
-        for (const MeshPart& part : mesh.parts) parts.emplace_back().material = part.material;
-    }
-    outline.scene.materials = baked.scene.materials;
-    outline.scene.lights = baked.scene.lights;
-    outline.scene.sky = baked.scene.sky;
-    outline.scene.originMeters = baked.scene.originMeters;
-    outline.scene.subtractiveShadowColor = baked.scene.subtractiveShadowColor;
-    outline.defaultShadowColor = baked.defaultShadowColor;
-    return outline;
-}
-
 } // namespace
 
 GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept, TextureDetail detail,
@@ -319,9 +295,19 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages
     uploadMeshes(device, uploader, scene, result);
     uploader.finish();
 
-    result.lightmaps = uploadPages(device, uploader, baked.lightmaps, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
-    result.lightmapDirections =
-        uploadPages(device, uploader, baked.lightmapDirections, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(128));
+    result.outline = outlineOf(baked);
+    result.probes.emplace(baked);
+    const ProbeSample sky = skyProbe(scene.sky);
+    for (std::size_t i = 0; i < 9; ++i) result.skySh[i] = vec4(sky.radiance[i], 0.0f);
+    if (!baked.groups.empty()) {
+        uploadGroups(device, uploader, baked, result);
+    } else {
+        result.lightmaps =
+            uploadPages(device, uploader, baked.lightmaps, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
+        result.lightmapDirections =
+            uploadPages(device, uploader, baked.lightmapDirections, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(128));
+        result.lightmapUnitLux = baked.lightmapUnitLux;
+    }
     result.dynamicLightmaps =
         uploadPages(device, uploader, std::vector<Image<uint32_t>>(), VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
     result.shadowmasks = uploadPages(device, uploader, baked.shadowmasks, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(255));
@@ -336,7 +322,6 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages
         result.mirrored.push_back(isMirrored(object));
         result.lightmapped.push_back(isLightmapped(baked, object));
     }
-    result.probes.emplace(baked);
     result.probeVolumes = ProbeVolumes(
         device, planProxyVolumes(scene, result.meshBounds, result.lightmapped, *result.probes), baked.maskLayers);
     result.probeVolumes.upload(uploader, scene, result.meshBounds, *result.probes);
@@ -349,10 +334,7 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages
     });
     result.objects = uploadVector(device, uploader, objects, kStorage);
     result.sky = uploadSky(device, uploader, scene.sky);
-    result.reflections = uploadReflections(device, uploader, baked.reflections);
-    const ProbeSample sky = skyProbe(scene.sky);
-    for (std::size_t i = 0; i < 9; ++i) result.skySh[i] = vec4(sky.radiance[i], 0.0f);
-    result.outline = outlineOf(baked);
+    result.reflections = uploadReflections(device, uploader, composedReflections(baked, result.groups.weights));
     uploader.finish();
     return result;
 }
@@ -364,15 +346,26 @@ void uploadChangedObjects(gpu::Device& device, GpuScene& scene)
     std::sort(changed.begin(), changed.end());
     changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
     gpu::Uploader uploader(device);
+    std::vector<GpuObject> data(changed.size());
     for (const uint32_t i : changed) {
         const Object& object = scene.outline.scene.objects[i];
         scene.mirrored[i] = isMirrored(object);
         scene.bounds[i] = object.mesh < 0
                               ? Bounds{}
                               : worldBounds(scene.meshBounds[std::size_t(object.mesh)], object.worldFromObject);
-        const GpuObject data = gpuObject(object, scene.bounds[i], scene.lightmapped[i],
-                                         scene.probeVolumes.plan().volumeOf[i], *scene.probes);
-        uploader.buffer(scene.objects, &data, sizeof(data), i * sizeof(data));
+    }
+    parallelFor(changed.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const uint32_t i = changed[k];
+            data[k] = gpuObject(scene.outline.scene.objects[i], scene.bounds[i], scene.lightmapped[i],
+                                scene.probeVolumes.plan().volumeOf[i], *scene.probes);
+        }
+    });
+    for (std::size_t k = 0; k < changed.size();) { // a copy for each run of neighbours
+        std::size_t end = k + 1;
+        while (end < changed.size() && changed[end] == changed[end - 1] + 1) ++end;
+        uploader.buffer(scene.objects, &data[k], (end - k) * sizeof(GpuObject), changed[k] * sizeof(GpuObject));
+        k = end;
     }
     scene.probeVolumes.update(uploader, scene.outline.scene, scene.meshBounds, *scene.probes, changed);
     uploader.finish();

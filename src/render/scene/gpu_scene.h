@@ -8,6 +8,7 @@
 #include "halflight/render/renderer.h"
 #include "halflight/scene/baked_scene.h"
 #include "render/scene/gpu_layout.h"
+#include "render/scene/light_groups.h"
 #include "render/scene/probe_volumes.h"
 #include "render/scene/reflections.h"
 #include "render/scene/sky_picture.h"
@@ -44,8 +45,9 @@ struct GpuScene {
     std::vector<Hash128> textureHashes; ///< per element of textures: of what its image was made from
     std::vector<gpu::UniqueSampler> samplers;
     std::vector<uint32_t> samplerOfTexture; ///< per element of textures
-    gpu::Image lightmaps;
+    gpu::Image lightmaps;                   ///< of scenes with light groups, and the directions: composed by frames
     gpu::Image lightmapDirections;
+    float lightmapUnitLux = 1.0f; ///< lux that a texel of `lightmaps` stands for
     gpu::Image shadowmasks;
     gpu::Image dynamicLightmaps;      ///< one black texel while the application has set none
     bool hasDynamicLightmaps = false; ///< it has
@@ -58,9 +60,12 @@ struct GpuScene {
     SkyTexture sky;
     ReflectionTextures reflections;
     vec4 skySh[9];
+    vec3 skyFactor{1.0f}; ///< of the sky's picture
 
-    /// What planFrame() reads: no vertices, no pixels. Lights and objects may change between frames.
+    /// What planFrame() reads: no vertices, no pixels. Lights and objects may change between frames. Of groups and
+    /// their probes it has all but pages.
     BakedScene outline;
+    GroupState groups;
     std::vector<Bounds> meshBounds;          ///< object space
     std::optional<ProbeInterpolator> probes; ///< for objects that move
     ProbeVolumes probeVolumes;
@@ -81,6 +86,8 @@ struct LitVertex {
 /// FileInvalid or InvalidArgument when the scene's parts do not fit together (an index out of range, say); throws
 /// gpu::Failure when the device cannot hold it.
 Status checkScene(const BakedScene& baked);
+/// What GpuScene::outline has of a bake.
+BakedScene outlineOf(const BakedScene& baked);
 /// Why a light cannot be drawn; null when it can.
 const char* problemOf(const Light& light);
 /// Images of textures by the hash of what they were made from.

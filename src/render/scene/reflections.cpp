@@ -36,6 +36,14 @@ ReflectionTextures uploadReflections(gpu::Device& device, gpu::Uploader& uploade
     return result;
 }
 
+void updateReflections(gpu::Uploader& uploader, const ReflectionSet& set, ReflectionTextures& textures)
+{
+    if (set.picture.empty()) return;
+    textures.unitNits = set.unitNits;
+    uploader.image(textures.picture, {{{0, 0, set.picture.data()}}}, 4);
+    uploader.finish();
+}
+
 vec4 reflectionsOfFrame(const ReflectionTextures& textures)
 {
     return {float(textures.count), float(textures.size), textures.unitNits, 0.0f};

@@ -17,6 +17,9 @@ struct ReflectionTextures {
 };
 ReflectionTextures uploadReflections(gpu::Device& device, gpu::Uploader& uploader, const ReflectionSet& set);
 
+/// Another picture of the same probes, which no frame in flight reads.
+void updateReflections(gpu::Uploader& uploader, const ReflectionSet& set, ReflectionTextures& textures);
+
 /// GpuFrame::reflections.
 vec4 reflectionsOfFrame(const ReflectionTextures& textures);
 

@@ -32,7 +32,7 @@ SkyTexture uploadSky(gpu::Device& device, gpu::Uploader& uploader, const Sky& sk
 vec4 skyPictureOfFrame(const SkyTexture& texture, const Sky& sky)
 {
     const float width = sky.picture ? float(texture.image.info().width) : 0.0f;
-    return {math::cos(sky.rotationRadians), math::sin(sky.rotationRadians), width, texture.unitNits};
+    return {math::cos(sky.rotationRadians), math::sin(sky.rotationRadians), width, 0.0f};
 }
 
 } // namespace halflight

@@ -309,4 +309,26 @@ Sky scaledSky(const Sky& sky, vec3 factor)
     return out;
 }
 
+vec3 skyFactor(vec3 saved, vec3 weight)
+{
+    vec3 factor(0.0f);
+    for (int c = 0; c < 3; ++c)
+        if (saved[c] > 0.0f) factor[c] = weight[c] / saved[c];
+    return factor;
+}
+
+Sky skyAtWeight(const Sky& sky, vec3 saved, vec3 weight)
+{
+    if (weight == saved) return sky;
+    Sky out = scaledSky(sky, skyFactor(saved, weight));
+    const Member member = memberOf(sky);
+    if (sky.picture || (member.dark() && saved != vec3(0.0f))) return out;
+    // A channel in which the whole group was black is 1 in White, and as bright as the brightest one.
+    const float intensity = member.dark() ? 1.0f : member.intensity;
+    for (int c = 0; c < 3; ++c)
+        if (!(saved[c] > 0.0f))
+            for (vec3* color : {&out.zenith, &out.horizon, &out.ground}) (*color)[c] = intensity * weight[c];
+    return out;
+}
+
 } // namespace halflight

@@ -45,6 +45,7 @@ template<typename T, typename Values> bool choice(const char* label, T& value, c
 }
 
 /// What is in the scene: panels_scene.cpp.
+void groupSection(const Shown& shown, Answer& answer);
 void lightSection(const Shown& shown, Answer& answer);
 void objectSection(const Shown& shown, Answer& answer);
 void warningSection(const Shown& shown, Answer& answer);

@@ -204,6 +204,7 @@ Answer drawPanels(const Shown& shown)
     if (ImGui::Begin((shownName(shown.window.title) + "###panels").c_str(), nullptr, kFixed)) {
         ImGui::PushItemWidth(11.0f * ImGui::GetFontSize());
         viewSection(shown, answer);
+        groupSection(shown, answer);
         bakeSection(shown, answer);
         shadowSection(shown, answer);
         lightSection(shown, answer);

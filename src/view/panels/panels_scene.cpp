@@ -90,6 +90,36 @@ void objectEditor(const Scene& scene, Answer& answer, int selected)
 
 } // namespace
 
+/// A slider and a colour, whose product is the weight. Its colour stays while a group is off.
+void groupSection(const Shown& shown, Answer& answer)
+{
+    if (shown.groups.empty()) return;
+    const std::string title = fmt::format("Light groups ({})###Groups", shown.groups.size());
+    if (!ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) return;
+    const auto set = [&](const GroupReport& group, vec3 weight) {
+        answer.changes.emplace_back(ChangeGroup{group.name, weight});
+    };
+    for (std::size_t i = 0; i < shown.groups.size(); ++i) {
+        const GroupReport& group = shown.groups[i];
+        ImGui::PushID(int(i));
+        say(shownName(group.name));
+        if (group.weight != group.saved) {
+            ImGui::SameLine();
+            if (ImGui::SmallButton("as saved")) set(group, group.saved);
+        }
+        constexpr float kUsual = 2.0f; // twice the light of the weight 1; more is typed
+        float brightness = std::max({group.weight.x, group.weight.y, group.weight.z});
+        vec3 color = group.color;
+        bool changed = ImGui::SliderFloat("weight", &brightness, 0.0f, kUsual, "%.3f");
+        changed |= ImGui::ColorEdit3("colour", &color.x, ImGuiColorEditFlags_Float);
+        if (changed) set(group, glm::clamp(color, 0.0f, 1.0f) * std::clamp(brightness, 0.0f, kMost));
+        ImGui::PopID();
+    }
+    const auto differs = [](const GroupReport& group) { return group.weight != group.saved; };
+    if (std::any_of(shown.groups.begin(), shown.groups.end(), differs) && ImGui::Button("all groups as saved"))
+        for (const GroupReport& group : shown.groups) set(group, group.saved);
+}
+
 void lightSection(const Shown& shown, Answer& answer)
 {
     const Scene& scene = shown.scene;

@@ -1,10 +1,12 @@
 #include "view/scene/edited_scene.h"
 
 #include "halflight/base/file.h"
+#include "halflight/render/compose.h"
 #include "halflight/render/frame.h"
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <variant>
 
 namespace halflight::view {
@@ -16,8 +18,12 @@ void EditedScene::beginFile(const Scene& scene)
     atLoad_ = {};
     atLoad_.lights = scene.lights;
     atLoad_.objects = scene.objects;
+    atLoad_.materials = scene.materials;
+    atLoad_.sky = scene.sky;
     changedLights_.clear();
     changedObjects_.clear();
+    changedGroups_.clear();
+    showGroups({});
     settingsFile_.clear();
     snapshot_.reset();
 }
@@ -35,6 +41,65 @@ void EditedScene::make(const ChangeLight& change, Renderer& renderer, Notices& n
     changedLights_[change.light] = lastChange_;
     if (Status status = renderer.setLight(change.light, change.value); !status)
         notices.addWarning(Notices::About::Frame, status.error().text());
+    const auto group = std::size_t(change.value.baking.group);
+    if (change.value.baking.group < 0 || group >= groups_.size()) return;
+    const auto weight = weightOfLights(scene_, change.value.baking.group, groups_[group].weight);
+    if (weight && *weight != groups_[group].weight) make(ChangeGroup{groups_[group].name, *weight}, renderer, notices);
+}
+
+void EditedScene::showGroups(const std::vector<BakedGroup>& groups)
+{
+    shownGroups_.clear();
+    groups_.clear();
+    for (const BakedGroup& group : groups) {
+        BakedGroup& own = shownGroups_.emplace_back();
+        own.name = group.name;
+        own.weight = group.weight;
+        own.sky = group.sky;
+        groups_.push_back({group.name, group.weight, group.weight, vec3(1.0f)});
+        const auto changed = changedGroups_.find(group.name);
+        setWeight(groups_.size() - 1, changed != changedGroups_.end() ? changed->second.weight : group.weight);
+    }
+}
+
+std::vector<vec3> EditedScene::weights() const
+{
+    std::vector<vec3> weights;
+    for (const GroupReport& group : groups_) weights.push_back(group.weight);
+    return weights;
+}
+
+void EditedScene::setWeight(std::size_t group, vec3 weight)
+{
+    GroupReport& report = groups_[group];
+    report.weight = weight;
+    if (const float most = std::max({weight.x, weight.y, weight.z}); most > 0.0f) report.color = weight / most;
+}
+
+void EditedScene::make(const ChangeGroup& change, Renderer& renderer, Notices& notices)
+{
+    const auto group = std::find_if(groups_.begin(), groups_.end(),
+                                    [&](const GroupReport& report) { return report.name == change.name; });
+    if (group == groups_.end()) return;
+    if (Status status = renderer.setLightGroup(change.name, change.weight); !status) {
+        notices.addWarning(Notices::About::Frame, status.error().text());
+        return;
+    }
+    changedGroups_[change.name] = {change.weight, lastChange_};
+    setWeight(std::size_t(group - groups_.begin()), change.weight);
+    composeMembers(atLoad_, shownGroups_, weights(), scene_);
+    Sky gradient = atLoad_.sky;
+    gradient.picture.reset(); // snapshot() multiplies it
+    gradient = composedSky(gradient, shownGroups_, weights());
+    gradient.picture = atLoad_.sky.picture;
+    scene_.sky = gradient;
+}
+
+Scene EditedScene::atLoadWithWeights() const
+{
+    Scene scene = atLoad_;
+    if (!groups_.empty()) composeMembers(atLoad_, shownGroups_, weights(), scene);
+    return scene;
 }
 
 void EditedScene::make(const ChangeSwitches& change, Renderer& renderer, Notices& /*notices*/)
@@ -64,6 +129,11 @@ void EditedScene::make(const MoveObject& change, Renderer& renderer, Notices& /*
 bool EditedScene::repeat(Clock::time_point since, Renderer& renderer) const
 {
     bool some = false;
+    for (const auto& [name, changed] : changedGroups_) {
+        if (changed.time < since) continue;
+        (void)renderer.setLightGroup(name, changed.weight); // unless the scene has no such group
+        some = true;
+    }
     for (const auto& [index, time] : changedLights_) {
         if (time < since) continue;
         (void)renderer.setLight(index, scene_.lights[std::size_t(index)]); // what is wrong with it was said before
@@ -122,7 +192,11 @@ std::string EditedScene::writeSettings(const ViewText& changes, const std::files
 
 std::shared_ptr<const Scene> EditedScene::snapshot()
 {
-    if (!snapshot_) snapshot_ = std::make_shared<const Scene>(scene_);
+    if (snapshot_) return snapshot_;
+    auto scene = std::make_shared<Scene>(scene_);
+    // Of a sky with a picture all texels change: here, and not for each move of a slider.
+    if (scene->sky.picture) scene->sky = composedSky(atLoad_.sky, shownGroups_, weights());
+    snapshot_ = std::move(scene);
     return snapshot_;
 }
 

@@ -4,6 +4,7 @@
 #include "halflight/view/view.h"
 #include "view/state/notices.h"
 #include "view/state/requests.h"
+#include "view/state/shown.h"
 
 #include <chrono>
 #include <filesystem>
@@ -22,6 +23,8 @@ public:
 
     /// A file's, before any change.
     void beginFile(const Scene& scene);
+    /// Another scene of the same objects is shown: its light groups, at the weights that the user gave them.
+    void showGroups(const std::vector<BakedGroup>& groups);
     /// Makes a change here and in what the renderer draws.
     void change(const SceneChange& change, Renderer& renderer, Notices& notices);
 
@@ -30,10 +33,13 @@ public:
     bool repeat(Clock::time_point since, Renderer& renderer) const;
 
     [[nodiscard]] const Scene& scene() const { return scene_; }
-    /// Lights and objects of the file, without vertices and pixels.
+    /// Lights, objects, materials and sky of the file, without vertices and pixels.
     [[nodiscard]] const Scene& atLoad() const { return atLoad_; }
-    [[nodiscard]] const std::vector<Bounds>& bounds() const { return bounds_; } ///< of each object
-    [[nodiscard]] Bounds boundsOf(int object) const;                            ///< of all for -1
+    /// The same with the light of the groups' weights now: what was changed besides is what differs from it.
+    [[nodiscard]] Scene atLoadWithWeights() const;
+    [[nodiscard]] const std::vector<GroupReport>& groups() const { return groups_; } ///< of the scene that is shown
+    [[nodiscard]] const std::vector<Bounds>& bounds() const { return bounds_; }      ///< of each object
+    [[nodiscard]] Bounds boundsOf(int object) const;                                 ///< of all for -1
     [[nodiscard]] Clock::time_point lastChange() const { return lastChange_; }
     /// Writes a settings file: `before`, the one in use, and the changes after it, which win; beside it, or here, named
     /// as the scene's file. A file that another session wrote stays. What was done, for people.
@@ -46,6 +52,9 @@ private:
     void make(const ChangeLight& change, Renderer& renderer, Notices& notices);
     void make(const ChangeSwitches& change, Renderer& renderer, Notices& notices);
     void make(const MoveObject& change, Renderer& renderer, Notices& notices);
+    void make(const ChangeGroup& change, Renderer& renderer, Notices& notices);
+    void setWeight(std::size_t group, vec3 weight);
+    [[nodiscard]] std::vector<vec3> weights() const;
     Status writeChanges(const std::string& changes, const std::filesystem::path& before,
                         const std::filesystem::path& stem);
 
@@ -54,6 +63,13 @@ private:
     Scene atLoad_;
     std::map<int, Clock::time_point> changedLights_; ///< when they changed last
     std::map<int, Clock::time_point> changedObjects_;
+    struct Weight {
+        vec3 weight{1.0f};
+        Clock::time_point time;
+    };
+    std::map<std::string, Weight> changedGroups_;
+    std::vector<BakedGroup> shownGroups_; ///< of the scene that is shown, without light
+    std::vector<GroupReport> groups_;
     std::filesystem::path settingsFile_; ///< that writeSettings() wrote; empty: none yet
     Clock::time_point lastChange_;
     std::shared_ptr<const Scene> snapshot_; ///< null where scene_ has changed since

@@ -4,6 +4,7 @@
 #include "view/state/view_state.h"
 
 #include <cstddef>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -44,7 +45,11 @@ struct MoveObject {
     int object = -1;
     mat4 worldFromObject{1.0f};
 };
-using SceneChange = std::variant<ChangeLight, ChangeSwitches, MoveObject>;
+struct ChangeGroup {
+    std::string name; ///< of a light group
+    vec3 weight{1.0f};
+};
+using SceneChange = std::variant<ChangeLight, ChangeSwitches, MoveObject, ChangeGroup>;
 
 /// What panels and keys return.
 struct Answer {

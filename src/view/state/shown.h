@@ -25,6 +25,14 @@ struct SceneReport {
     std::size_t reflectionProbes = 0;
 };
 
+/// Of a light group of the scene that is drawn.
+struct GroupReport {
+    std::string name;
+    vec3 weight{1.0f};
+    vec3 saved{1.0f}; ///< weight of the file
+    vec3 color{1.0f}; ///< of the last weight that was not 0: its largest channel is 1
+};
+
 /// Of a bake in the background.
 struct BakeStatus {
     bool running = false;
@@ -75,6 +83,7 @@ struct Shown {
     const PictureReport& picture;
     const CompareReport& comparison;
     const WindowReport& window;
+    const std::vector<GroupReport>& groups;
 };
 
 } // namespace halflight::view

@@ -8,7 +8,7 @@ import struct
 
 import cli_case
 import json_schema
-from cli_case import QUICK, Case, read, run
+from cli_case import QUICK, Case, decode_png, read, run
 
 
 def json_of(path):
@@ -65,15 +65,16 @@ class LightGroups(Case):
         self.assertNotIn("groups", info)
         self.assertEqual([w for w in info["warnings"] if "stale" in w], [])
         lights = {light["name"]: light for light in info["lights"]}
-        self.assertEqual((lights["lamp"]["color"], lights["sun"]["intensity"]), ([1, 1, 1], 0))
+        self.assertEqual((lights["lamp"]["color"], lights["sun"]["color"]), ([1, 1, 1], [0, 0, 0]))
         self.assertEqual(json_of(state)["extensions"]["HALFLIGHT_mixed_lighting"]["version"], 2)
         changes = ["--group", "lamp=1", "--group", "sun=0", "--group", "day=0.1,0.1,0.2"]
         pictures = []
         for name, file, options in (("a.png", baked, changes), ("b.png", state, [])):
             size = ["--size", "64x64", "--exposure", "2", "-q"]
             self.assertEqual(run("render", file, "-o", self.path(name), *size, *options).returncode, 0)
-            pictures.append(read(self.path(name)))
-        self.assertEqual(*pictures)
+            pictures.append(decode_png(self.path(name))[2])
+        for a, b in zip(*(sum(rows, []) for rows in pictures)):  # a device's and the processor's sum, to rounding
+            self.assertLessEqual(max(abs(x - y) for x, y in zip(a, b)), 2)
         small = self.path("small.glb")
         self.assertEqual(run("optimize", baked, small).returncode, 0)
         self.assertEqual(run("compose", small, "-o", state, "-q", "--group", "sun=0").returncode, 0)

@@ -31,6 +31,24 @@ ViewedPicture pictureOf(const Scene& scene, const Scene& atLoad)
     return picture;
 }
 
+// The weights of light groups are options of their own, and not changes of lights.
+TEST(CommandLine, HasTheWeightsOfGroupsS33)
+{
+    const Scene scene = twoLights();
+    ViewedPicture picture = pictureOf(scene, scene);
+    picture.groups = {{"the lamps", vec3(0.5f, 0.25f, 0.0f)}};
+    const ViewText command = commandLine(picture);
+    EXPECT_THAT(command.text, HasSubstr(" --group 'the lamps=0.5,0.25,0'"));
+    EXPECT_THAT(command.text, Not(HasSubstr("--light")));
+    EXPECT_TRUE(command.leftOut.empty());
+    Scene brighter = scene;
+    brighter.materials.emplace_back().name = "neon";
+    Scene before = brighter;
+    brighter.materials[0].emissiveNits = vec3(2.0f);
+    brighter.sky.zenith = vec3(1.0f);
+    EXPECT_EQ(settingsFile(brighter, before).leftOut, "the emission of 'neon', the sky's weight");
+}
+
 TEST(CommandLine, NamesWhatDiffersFromTheDefaults)
 {
     Scene scene = twoLights();

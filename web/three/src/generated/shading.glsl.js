@@ -172,6 +172,10 @@ vec3 hlTransportAlbedo(vec3 baseColor, float metallic, float roughness)
 {
     return hlDiffuseAlbedoOf(baseColor, metallic) + metallic * hlAverageSpecular(baseColor, 1.0, roughness);
 }
+float hlLuminanceOf(vec3 color)
+{
+    return dot(color, vec3(0.2126, 0.7152, 0.0722));
+}
 const float hlMinHighlightElevation = 0.2;
 vec4 hlBakedHighlight(vec3 meanDirection, vec3 bakedNormal)
 {
@@ -213,6 +217,15 @@ vec3 hlEncodeMeanDirection(vec3 meanDirection)
 vec3 hlDecodeMeanDirection(vec3 encoded)
 {
     return encoded * 2.0 - 1.0;
+}
+vec3 hlDirectionMoment(vec3 irradiance, vec3 encodedDirection)
+{
+    return hlLuminanceOf(irradiance) * hlDecodeMeanDirection(encodedDirection);
+}
+vec3 hlEncodeMomentDirection(vec3 irradiance, vec3 moment)
+{
+    float all = hlLuminanceOf(irradiance);
+    return hlEncodeMeanDirection(all > 0.0 ? moment / all : vec3(0.0));
 }
 const int hlLightDirectional = 0;
 const int hlLightPoint = 1;
@@ -326,10 +339,6 @@ vec3 hlReflectIndirect(vec3 baseColor, float metallic, float roughness, float sp
     vec3 diffuse = hlDiffuseRadiance(albedo, irradiance);
     vec3 specular = hlEnvironmentSpecular(f0, f90, roughness, nDotV) * surroundings;
     return diffuse + specular;
-}
-float hlLuminanceOf(vec3 color)
-{
-    return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
 const int hlReflectionLevels = 5;
 vec2 hlOctahedronFromDirection(vec3 d)

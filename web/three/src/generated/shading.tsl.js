@@ -279,6 +279,12 @@ export const hlTransportAlbedo = /*@__PURE__*/ Fn( ( [ baseColor, metallic, roug
 
 }, { baseColor: 'vec3', metallic: 'float', roughness: 'float', return: 'vec3' } );
 
+export const hlLuminanceOf = /*@__PURE__*/ Fn( ( [ color ] ) => {
+
+	return dot( color, vec3( float( 0.2126 ), float( 0.7152 ), float( 0.0722 ) ) );
+
+}, { color: 'vec3', return: 'float' } );
+
 const hlMinHighlightElevation = float( 0.2 );
 
 export const hlBakedHighlight = /*@__PURE__*/ Fn( ( [ meanDirection, bakedNormal ] ) => {
@@ -334,6 +340,20 @@ export const hlDecodeMeanDirection = /*@__PURE__*/ Fn( ( [ encoded ] ) => {
 	return encoded.mul( float( 2.0 ) ).sub( float( 1.0 ) );
 
 }, { encoded: 'vec3', return: 'vec3' } );
+
+export const hlDirectionMoment = /*@__PURE__*/ Fn( ( [ irradiance, encodedDirection ] ) => {
+
+	return hlLuminanceOf( irradiance ).mul( hlDecodeMeanDirection( encodedDirection ) );
+
+}, { irradiance: 'vec3', encodedDirection: 'vec3', return: 'vec3' } );
+
+export const hlEncodeMomentDirection = /*@__PURE__*/ Fn( ( [ irradiance, moment ] ) => {
+
+	const all = hlLuminanceOf( irradiance );
+
+	return hlEncodeMeanDirection( select( all.greaterThan( float( 0.0 ) ), moment.div( all ), vec3( float( 0.0 ) ) ) );
+
+}, { irradiance: 'vec3', moment: 'vec3', return: 'vec3' } );
 
 const hlLightDirectional = int( 0 );
 const hlLightPoint = int( 1 );
@@ -510,12 +530,6 @@ export const hlReflectIndirect = /*@__PURE__*/ Fn( ( [ baseColor, metallic, roug
 	return diffuse.add( specular );
 
 }, { baseColor: 'vec3', metallic: 'float', roughness: 'float', specularFactor: 'float', nDotV: 'float', irradiance: 'vec3', surroundings: 'vec3', return: 'vec3' } );
-
-export const hlLuminanceOf = /*@__PURE__*/ Fn( ( [ color ] ) => {
-
-	return dot( color, vec3( float( 0.2126 ), float( 0.7152 ), float( 0.0722 ) ) );
-
-}, { color: 'vec3', return: 'float' } );
 
 const hlReflectionLevels = int( 5 );
 
