@@ -33,7 +33,7 @@ export function compareReleases(renderer) {
     });
     for (const own of renderer === 'webgpu' ? ['webgpu', 'webgl2-nodes'] : [renderer])
         test(`releases of three.js: light groups S33, ${own}`, { skip: absent.length > 0 ? `no ${absent.join()}: run npm install in web/` : false }, async () => {
-            for (const name of [false, true].map((onePage) => bakeGroups({ onePage, reflections: false }))) {
+            for (const name of [false, true].map((onePage) => bakeGroups({ onePage, plain: true }))) {
                 const { camera } = studio.reference(name, 'shadowmask');
                 let other = null;
                 for (const release of RELEASES) {

@@ -7,18 +7,18 @@ import { studio } from './studio.mjs';
 
 const POST = 12; // mesh
 
-/** @param {{onePage?: boolean, reflections?: boolean}} [options] @returns {string} name of the baked file */
-export function bakeGroups({ onePage = false, reflections = true } = {}) {
-    const name = `light-groups${onePage ? '-of-one-page' : ''}${reflections ? '' : '-without-reflections'}`;
+/** @param {{onePage?: boolean, plain?: boolean}} [options] plain: without reflection probes and objects that move @returns {string} name of the baked file */
+export function bakeGroups({ onePage = false, plain = false } = {}) {
+    const name = `light-groups${onePage ? '-of-one-page' : ''}${plain ? '-plain' : ''}`;
     if (studio.baked.has(name)) return name;
     const file = readGlb(join(repository, 'assets/tests/light_groups.glb'));
     const [scene] = file.json.scenes;
     const add = (node, translation, extras) => scene.nodes.push(file.json.nodes.push({ name: node, mesh: POST, translation, extras: { halflight_static: 0, ...extras } }) - 1);
-    add('mover', [-1.6, 0.3, 0.7], {});
-    add('volume', [-2.6, 0.2, -0.6], { halflight_probes: 'volume', halflight_probe_resolution: 18 }); // of more texels than a frame relights
+    if (!plain) add('mover', [-1.6, 0.3, 0.7], {});
+    if (!plain) add('volume', [-2.6, 0.2, -0.6], { halflight_probes: 'volume', halflight_probe_resolution: 18 }); // of more texels than a frame relights
     const source = join(studio.files, 'light-groups-source.glb');
     writeGlb(source, file);
-    const options = ['--quality', 'preview', '--directional', 'on', '--texels-per-meter', onePage ? '4' : '6', '--lightmap-size', onePage ? '128' : '96', '--probe-layout', 'grid', '--probe-spacing', '1', '--samples', '16', '--reflection-probes', reflections ? 'on' : 'off'];
+    const options = ['--quality', 'preview', '--directional', 'on', '--texels-per-meter', onePage ? '4' : '6', '--lightmap-size', onePage ? '128' : '96', '--probe-layout', 'grid', '--probe-spacing', '1', '--samples', '16', '--reflection-probes', plain ? 'off' : 'on'];
     halflight('bake', source, '-o', studio.pathOf(name), ...options, '-q');
     studio.baked.add(name);
     return name;

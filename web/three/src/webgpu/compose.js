@@ -16,8 +16,8 @@ function makeMaterial(fragmentNode, isFirst) {
     return Object.assign(new NodeMaterial(), { fragmentNode, blending, blendSrc: OneFactor, blendDst: OneFactor, depthTest: false, depthWrite: false, fog: false });
 }
 
-/** Layers of a target at least: before 0.186 three.js draws into no array of one layer on WebGL 2. */
-const LEAST_LAYERS = Number.parseInt(REVISION, 10) < 186 ? 2 : 1;
+/** Layers of a target at least: before 0.187 three.js draws into no array of one layer on WebGL 2. */
+const LEAST_LAYERS = Number.parseInt(REVISION, 10) < 187 ? 2 : 1;
 
 /** Layers that are drawn into one by one and read as one array texture. */
 function makeTarget(width, height, layers, type) {
