@@ -188,6 +188,22 @@ test('groups S33: a light that leaves its group has a sentence, one for reflecti
     assert.deepEqual(result.together[0].map((s) => s.slice(0, 17)), ['reflection probes']);
 });
 
+test('groups S33: a light that the file hides has the weight 0', async () => {
+    const name = 'hidden-lamp';
+    const file = readGlb(studio.pathOf(bakeGroups()));
+    file.json.nodes.find((node) => node.name === 'lamp').extensions.KHR_node_visibility = { visible: false };
+    writeGlb(studio.pathOf(name), file);
+    const { page } = await open('webgl', name);
+    const { weight, visible, saved } = await page.evaluate(() => {
+        const { halflight, light } = window.groupsPage;
+        const { weight, savedWeight: saved } = halflight.lightGroups.find((group) => group.name === 'lamp');
+        return { weight, saved, visible: light('lamp').visible };
+    });
+    assert.equal(visible, false);
+    assert.ok(near(saved, [1, 0.1, 0.05]), `${saved}`);
+    assert.deepEqual(weight, [0, 0, 0]);
+});
+
 /** The baked file with an animation: values of three numbers at 0 and 1 seconds by pointer. */
 function animated(name, channels) {
     const { json, buffer } = readGlb(studio.pathOf(bakeGroups()));

@@ -18,7 +18,8 @@ export const LUMINANCE = [0.2126, 0.7152, 0.0722];
 
 /** @param {import('../file/read.js').BakedData} data @returns {LightSource[]} */
 export function sourcesOf({ unitLux, lightmaps, directions, groups }) {
-    return [{ unitLux, peak: peakOf(lightmaps) * unitLux, lightmaps, directions }, ...groups];
+    const rest = { unitLux, peak: 0, lightmaps, directions };
+    return [rest, ...groups].map((source) => ({ ...source, peak: source.peak || peakOf(source.lightmaps) * source.unitLux })); // a group may lack its own
 }
 
 /** @param {number[][]} weights of the groups @returns {number[][]} of the sources */
@@ -27,7 +28,7 @@ export const weightsOf = (weights) => [[1, 1, 1], ...weights];
 /** The largest channel of RGB9E5 pages. */
 function peakOf(pages) {
     let peak = 0;
-    for (const { data } of pages)
+    for (const { data } of pages.filter(Boolean))
         for (const texel of data) {
             const mantissa = Math.max(texel & 511, (texel >>> 9) & 511, (texel >>> 18) & 511);
             peak = Math.max(peak, mantissa * 2 ** ((texel >>> 27) - 24));

@@ -57,7 +57,8 @@ class Group {
     }
 
     fromArray(array, offset = 0) {
-        this.groups.change(this, [0, 1, 2].map((c) => Math.min(Math.max(array[offset + c], 0), MOST))); // splines swing below 0
+        const rgb = [0, 1, 2].map((c) => Math.min(Math.max(array[offset + c], 0), MOST)); // splines swing below 0
+        if (!rgb.some(Number.isNaN)) this.groups.change(this, rgb);
     }
 
     isChanged() {
