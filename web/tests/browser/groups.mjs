@@ -5,6 +5,7 @@ import { existsSync, realpathSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 
+import { readGlb, writeGlb } from '../glb.mjs';
 import { halflight, web } from '../harness.mjs';
 import { bakeGroups, compose, optionsOf, setGroups, STATES } from './groups_scene.mjs';
 import { SIZE, studio } from './studio.mjs';
@@ -44,6 +45,20 @@ for (const renderer of RENDERERS) {
             assert.ok(result.mean <= 0.1 && result.within >= 0.998, JSON.stringify(result));
             await setGroups(page, {});
         }
+    });
+}
+
+for (const renderer of RENDERERS) {
+    test(`groups S33: mean directions of composed light, on metal, ${renderer}`, async () => {
+        const name = 'metal-rooms';
+        const file = readGlb(studio.pathOf(bakeGroups({ plain: true })));
+        for (const material of file.json.materials) Object.assign(material.pbrMetallicRoughness, { metallicFactor: 1, roughnessFactor: 0.35 });
+        writeGlb(studio.pathOf(name), file);
+        const { page, call } = await studio.pageOf('three', renderer);
+        await studio.load(call, name);
+        await setGroups(page, STATES['a bright evening']);
+        await studio.compare(call, `groups on metal, ${renderer}`, 'shadowmask', { name, options: optionsOf(STATES['a bright evening']) });
+        await setGroups(page, {});
     });
 }
 
