@@ -27,7 +27,12 @@ FILES = (
     ("proxy_volume", "probe light and occlusion, at one point and in volumes", ["--texels-per-meter", "8", "--probe-spacing", "1.5"], ["main"], []),
     ("bumpy_wall", "directional lightmap under a normal map; a baked light", ["--texels-per-meter", "10", "--directional", "on", "--probe-spacing", "1.5"],
      ["main"], []),
+    ("light_groups", "light groups: saved weights, and others", ["--texels-per-meter", "4", "--directional", "on", "--probe-layout", "grid", "--probe-spacing", "1",
+                                                                "--reflection-probes", "off"], ["main"], []),
 )
+
+# Weights of light groups by file, in pictures after those of the saved weights.
+STATES = {"light_groups": {"lamp": [2, 3, 9], "sun": [0, 0, 0], "west": [0.1, 0.2, 0], "east": [0, 0, 0], "day": [0.02, 0.05, 0.3]}}
 
 
 def run(*arguments):
@@ -37,16 +42,18 @@ def run(*arguments):
     return result.stdout
 
 
-def pictures_of(program, folder, baked, cameras, modes, options):
+def pictures_of(program, folder, baked, cameras, modes, options, weights=None):
+    groups = [word for name, rgb in (weights or {}).items() for word in ("--group", f"{name}={','.join(map(str, rgb))}")]
     for camera in cameras:
         for mode in modes:
-            name = f"{baked.stem}_{camera}_{mode}.exr"
+            name = f"{baked.stem}_{camera}_{mode}{'_weights' if weights else ''}.exr"
             summary = json.loads(run(program, "render", baked, "-o", folder / name, "--size", SIZE, "--samples", 1, "--penumbrae", "off", "--mode", mode,
-                                     "--camera", camera, "--json", *options))
+                                     "--camera", camera, "--json", *options, *groups))
             yield {
                 "file": baked.name,
                 "camera": camera,
                 "mode": mode,
+                **({"groups": weights} if weights else {}),
                 "shadowDistance": summary["shadows"]["distance"],
                 "shadowFadeRange": float(options[3]) if options else 1.0,
                 "picture": name,
@@ -68,7 +75,8 @@ def main():
             baked = folder / f"{name}{suffix}.glb"
             run(program, "bake", scene, "-o", baked, "--quality", "preview", "--mode", mode, *bake)
             files.append({"file": baked.name, "purpose": purpose if not suffix else "the same in subtractive mode"})
-            entries += pictures_of(program, folder, baked, cameras, modes, options)
+            for weights in (None, STATES[name]) if name in STATES else (None,):
+                entries += pictures_of(program, folder, baked, cameras, modes, options, weights)
     index = {
         "version": 1,
         "size": list(map(int, SIZE.split("x"))),

@@ -6,8 +6,8 @@ set(HALFLIGHT_NIGHTLY
     [[cli\.(InterruptAnywhere|Truth|View|ViewBake|Farm|FarmTrouble|Slurm|Parallel|Boards|Pictures|Sheets|Georeferenced|Chain)]]
     [[cli\.(FullDisk|Glass|TextureSets|Streams|Reach|AllLayouts)]]
     [[package\.(bare_root|clean_roots|demo|launcher|consumer|small_build)]]
-    # Browsers draw on the processor: shadows, sky, area lights, WebGPU, the viewer page.
-    [[web\.(browser_pictures|browser_webgpu|browser_use|keeps_bake)]]
+    # Browsers draw on the processor: shadows, sky, area lights, light groups, WebGPU, the viewer page.
+    [[web\.(browser_pictures|browser_webgpu|browser_use|browser_groups|keeps_bake)]]
     # Large worlds and high sample counts.
     [[.*HousesS14.*]]
     [[ProbeWorldsS14\.(Village|ProbesFollowSurfacesAndNotTheWorld)]]

@@ -6,9 +6,9 @@
 #include "bake/group_stages.h"
 #include "bake/lights/main_light.h"
 #include "bake/live/live_light.h"
+#include "bake/mask_stages.h"
 #include "bake/pages/dilate.h"
 #include "bake/pages/encode.h"
-#include "bake/pages/mask_field.h"
 #include "bake/pages/stage_images.h"
 #include "bake/probes/probes.h"
 #include "bake/reflections/reflections.h"
@@ -24,7 +24,6 @@
 #include "halflight/scene/probe_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -127,68 +126,6 @@ Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
     std::vector<ImageRgb32f> momentPages = dilate(cached.map, moments, kDilationRings);
     stitchSeams(cached.map, seams, weights, momentPages);
     baked.lightmapDirections = encodeDirections(pages, momentPages);
-    return {};
-}
-
-/// A mask's pages: filled inside geometry, dilated, stitched, encoded.
-std::vector<ImageRgba8> maskPages(const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
-                                  const std::vector<SeamSample>& seams, std::vector<vec4> mask, bool distances,
-                                  std::span<MaskChannel, kLayerChannels> channels)
-{
-    fillInvalid(cached.geometry, cached.map, valid, mask);
-    if (distances) std::ranges::copy(maskToDistances(cached.map, mask), channels.begin());
-    std::vector<ImageRgba32f> pages = dilate(cached.map, mask, kDilationRings, distances);
-    release(mask);
-    stitchSeams(cached.map, seams, maskSeamWeights(seams, pages), pages, !distances);
-    return encodeShadowmask(pages);
-}
-
-/// Empties the pages of a mask layer whose lights light every texel.
-void leaveOutLitPages(const TexelMap& map, std::vector<ImageRgba8>& pages)
-{
-    std::vector<uint8_t> shadowed(pages.size(), 0);
-    for (const Texel& texel : map.texels)
-        if (pages[texel.page](texel.x, texel.y) != u8vec4(255)) shadowed[texel.page] = 1;
-    for (std::size_t page = 0; page < pages.size(); ++page)
-        if (shadowed[page] == 0) pages[page] = {};
-}
-
-/// Pages of a mask layer, into the baked scene.
-void maskPagesStage(const BakeRun& run, const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
-                    const std::vector<SeamSample>& seams, int layer, std::vector<vec4> mask, BakeReport& report)
-{
-    BakedScene& baked = run.baked();
-    StageTimer timer(report, "mask pages");
-    const bool distances = run.settings.maskEncoding == MaskEncoding::Distance;
-    const std::span<MaskChannel, kLayerChannels> channels(&baked.maskChannels[std::size_t(layer * kLayerChannels)],
-                                                          kLayerChannels);
-    std::vector<ImageRgba8> pages = maskPages(cached, valid, seams, std::move(mask), distances, channels);
-    if (baked.maskLayers > 1) leaveOutLitPages(cached.map, pages);
-    for (std::size_t page = 0; page < pages.size(); ++page)
-        baked.shadowmasks[page * std::size_t(baked.maskLayers) + std::size_t(layer)] = std::move(pages[page]);
-    timer.finish();
-}
-
-/// Traces masks. Makes the pages of each layer in the background.
-Status shadowmaskStage(const BakeRun& run, const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
-                       const std::vector<SeamSample>& seams, BakeReport& pagesReport, Background& pages)
-{
-    BakedScene& baked = run.baked();
-    if (run.settings.mode != MixedLightingMode::Shadowmask || !hasMask(baked.scene, run.settings.mode)) return {};
-    StageTimer timer(run.report(), "shadowmask");
-    const uint64_t before = cached.integrator.raysTraced();
-    baked.maskLayers = maskLayersOf(baked.scene);
-    baked.shadowmasks.resize(std::size_t(cached.map.pageCount) * std::size_t(baked.maskLayers));
-    for (int layer = 0; layer < baked.maskLayers; ++layer) {
-        std::vector<vec4> mask = largeVector<vec4>(cached.map.texels.size());
-        if (Status s = cached.shadowmask(layer, mask, run.progress); !s) return s;
-        if (layer > 0) pages.wait(); // masks of two layers at one time, which bounds memory
-        pages.run([&run, &cached, &valid, &seams, &pagesReport, layer, mask = std::move(mask)]() mutable {
-            maskPagesStage(run, cached, valid, seams, layer, std::move(mask), pagesReport);
-        });
-    }
-    timer.finish(cached.integrator.raysTraced() - before);
-    if (run.progress.cancelled()) return cancelledError();
     return {};
 }
 

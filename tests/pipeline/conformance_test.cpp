@@ -1,6 +1,7 @@
 // The pack of assets/conformance: its pictures are what this renderer draws of its files (docs/conformance.md).
 
 #include "halflight/base/image.h"
+#include "halflight/render/compose.h"
 #include "halflight/render/renderer.h"
 #include "halflight/scene/gltf.h"
 
@@ -53,6 +54,22 @@ Comparison compare(const ImageRgba32f& picture, const ImageRgba32f& expected, do
     return result;
 }
 
+/// A file of the pack at the weights that an entry gives its light groups.
+BakedScene sceneOf(const Json& entry)
+{
+    const std::string file = entry["file"];
+    auto baked = readBakedScene(kFolder / file);
+    EXPECT_TRUE(baked) << baked.error().text();
+    std::vector<GroupWeight> changes;
+    const Json groups = entry.value("groups", Json::object());
+    for (const auto& [name, rgb] : groups.items()) changes.push_back({name, vec3(rgb[0], rgb[1], rgb[2])});
+    const auto weights = groupWeights(*baked, changes);
+    EXPECT_TRUE(weights) << weights.error().text();
+    composeGroups(*baked, *weights);
+    EXPECT_TRUE(baked->scene.warnings.empty()) << file << ": " << baked->scene.warnings[0];
+    return std::move(*baked);
+}
+
 TEST(Conformance, PicturesAreDrawnFromTheFiles)
 {
     std::ifstream stream(kFolder / "pictures.json");
@@ -63,14 +80,12 @@ TEST(Conformance, PicturesAreDrawnFromTheFiles)
     std::string loaded;
     Scene scene;
     for (const Json& entry : index["pictures"]) {
-        const std::string file = entry["file"];
-        if (file != loaded) {
-            const auto baked = readBakedScene(kFolder / file);
-            ASSERT_TRUE(baked) << baked.error().text();
-            EXPECT_TRUE(baked->scene.warnings.empty()) << file << ": " << baked->scene.warnings[0];
-            ASSERT_TRUE((*renderer)->load(*baked));
-            scene = baked->scene;
-            loaded = file;
+        const std::string state = entry["file"].get<std::string>() + entry.value("groups", Json::object()).dump();
+        if (state != loaded) {
+            const BakedScene baked = sceneOf(entry);
+            ASSERT_TRUE((*renderer)->load(baked));
+            scene = baked.scene;
+            loaded = state;
         }
         const std::string name = entry["picture"];
         const auto expected = readExr(kFolder / name);

@@ -5,6 +5,7 @@ import { join } from 'node:path';
 import { test } from 'node:test';
 
 import { web } from './harness.mjs';
+import { bakeGroups, setGroups, STATES } from './browser/groups_scene.mjs';
 import { studio } from './browser/studio.mjs';
 
 const SIZE = [240, 135];
@@ -30,4 +31,22 @@ export function compareReleases(renderer) {
             }
         }
     });
+    for (const own of renderer === 'webgpu' ? ['webgpu', 'webgl2-nodes'] : [renderer])
+        test(`releases of three.js: light groups S33, ${own}`, { skip: absent.length > 0 ? `no ${absent.join()}: run npm install in web/` : false }, async () => {
+            for (const name of [false, true].map((onePage) => bakeGroups({ onePage, plain: true }))) {
+                const { camera } = studio.reference(name, 'shadowmask');
+                let other = null;
+                for (const release of RELEASES) {
+                    const { page, call } = await studio.pageOf(release, own);
+                    await studio.load(call, name);
+                    await setGroups(page, STATES['a bright evening']);
+                    await call('draw', { width: SIZE[0], height: SIZE[1], camera, settings: { mode: 'shadowmask', debugView: 'lit', shadowDistance: 60, shadowFadeRange: 1 } });
+                    other ??= await call('picture');
+                    const { mean } = await call('agreement', { other });
+                    console.log(`${release}, ${name}, ${own}: ${mean.toFixed(4)} of 255 from the newest`);
+                    assert.ok(mean <= 0.1, `${release}, ${name}: ${mean} of 255`);
+                    await setGroups(page, {});
+                }
+            }
+        });
 }

@@ -6,8 +6,15 @@ import { VIEWS } from '@halflight/three';
 /** Parameters of the page itself: what it opens, and how much of its panel it shows. */
 export const PAGE = ['file', 'local', 'panel'];
 const MOST_METERS = 1e6;
+const MOST_WEIGHT = 1e12;
 
 const numbers = (list) => list.map((x) => Number(x.toFixed(3))).join(',');
+
+/** Weights of the light groups in their order, where one is not that of the file. */
+function weightsOf({ lightGroups: groups }) {
+    if (groups.every(({ weight, savedWeight }) => weight.every((x, c) => x === savedWeight[c]))) return {};
+    return { weights: groups.flatMap(({ weight }) => weight.map((x) => Number(x.toPrecision(4)))).join(',') };
+}
 
 export function writeLink({ halflight, camera, orbit, exposure }) {
     return new URLSearchParams({
@@ -19,6 +26,7 @@ export function writeLink({ halflight, camera, orbit, exposure }) {
         distance: numbers([halflight.shadowDistance]),
         fade: numbers([halflight.shadowFadeRange]),
         exposure: numbers([exposure]),
+        ...weightsOf(halflight),
     }).toString();
 }
 
@@ -49,6 +57,16 @@ const PARAMETERS = {
     view: {
         takes: () => `one of ${VIEWS.join(', ')}`,
         set: (text, { halflight }) => (VIEWS.includes(text) ? ((halflight.debugView = text), true) : null),
+    },
+    weights: {
+        takes: ({ halflight }) => `${3 * halflight.lightGroups.length} numbers from 0 on, three for each light group`,
+        set: (text, { halflight }) => {
+            const groups = halflight.lightGroups;
+            const list = read(text, 3 * groups.length, 0, MOST_WEIGHT);
+            if (list === null || groups.length === 0) return null;
+            groups.forEach(({ name }, i) => halflight.setLightGroup(name, list.slice(3 * i, 3 * i + 3)));
+            return true;
+        },
     },
     fov: number('from 1 to 170 degrees', 1, 170, (x, { camera }) => (camera.fov = x)),
     distance: number('of metres from 0 on', 0, MOST_METERS, (x, { halflight }) => (halflight.shadowDistance = x)),

@@ -1,4 +1,6 @@
 // Parts of the panel that depend on the file.
+import { Color } from 'three';
+
 import { legendOf } from './views.js';
 
 const make = (tag, properties = {}, ...children) => {
@@ -17,11 +19,65 @@ export function showModes(parent, halflight, choose) {
     parent.replaceChildren(...rows);
 }
 
+/** Of a weight: its largest channel, and what it has of that by channel; of a group that is off the colour stays. */
+function split(weight, last) {
+    const brightness = Math.max(...weight);
+    return { brightness, tint: brightness > 0 ? weight.map((x) => x / brightness) : last };
+}
+
+/**
+ * A colour and a brightness of each light group.
+ * @returns {() => void} shows the weights that the groups have now
+ */
+export function showGroups(parent, halflight, redraw) {
+    const rows = halflight.lightGroups.map(({ name, savedWeight }) => {
+        let { tint } = split(savedWeight, [1, 1, 1]);
+        const most = Math.max(2, 2 * Math.max(...savedWeight));
+        const color = make('input', { type: 'color', ariaLabel: `Colour of ${name}` });
+        const range = { type: 'range', min: '0', max: String(most), step: String(most / 200) };
+        const brightness = make('input', { ...range, ariaLabel: `Brightness of ${name}` });
+        const value = make('output');
+        const apply = () => {
+            halflight.setLightGroup(
+                name,
+                tint.map((x) => x * Number(brightness.value))
+            );
+            redraw();
+        };
+        color.addEventListener('input', () => {
+            tint = new Color(color.value).toArray();
+            apply();
+        });
+        brightness.addEventListener('input', apply);
+        const sync = ({ weight }) => {
+            const now = split(weight, tint);
+            tint = now.tint;
+            const hex = `#${new Color().setRGB(...tint).getHexString()}`;
+            if (color.value !== hex) color.value = hex;
+            const isApart = Math.abs(Number(brightness.value) - now.brightness) > most / 400;
+            if (isApart) brightness.value = String(now.brightness);
+            value.textContent = `× ${now.brightness.toFixed(2)}`;
+        };
+        const head = make('label', {}, make('span', { textContent: name }), color);
+        const slider = make('label', {}, make('span', { textContent: 'brightness' }), value, brightness);
+        return { row: make('div', {}, head, slider), sync };
+    });
+    parent.replaceChildren(...rows.map(({ row }) => row));
+    const sync = () => halflight.lightGroups.forEach((group, i) => rows[i].sync(group));
+    sync();
+    return sync;
+}
+
 /** A switch and a factor on the intensity of each light. */
 export function showLights(parent, halflight, redraw) {
     const rows = halflight.lights.map((state) => {
         const { intensity } = state.light;
         const kind = state.data.bakeType;
+        const group = halflight.lightGroups[state.data.group];
+        if (group) {
+            const part = make('p', { textContent: `of light group ${group.name}` });
+            return make('div', {}, make('span', { textContent: state.name }), part);
+        }
         const on = make('input', { type: 'checkbox', checked: true });
         const name = make('label', {}, on, make('span', { textContent: state.name }));
         if (kind === 'baked') {
@@ -78,6 +134,7 @@ const megabytes = (bytes) => `${(bytes / 1e6).toFixed(2)} MB`;
 export function showStatistics(parent, { halflight, bytes }, drawn, seconds) {
     const parts = halflight.data.bytes;
     const page = halflight.data.lightmaps[0];
+    const groups = halflight.lightGroups.length;
     const rows = [
         ['file', megabytes(bytes)],
         [
@@ -86,6 +143,7 @@ export function showStatistics(parent, { halflight, bytes }, drawn, seconds) {
         ],
         ['shadowmasks', megabytes(parts.masks)],
         ['directions', megabytes(parts.directions)],
+        ...(groups > 0 ? [[`light groups, ${groups}`, megabytes(parts.groups)]] : []),
         [`probes, ${halflight.data.probes?.count ?? 0}`, megabytes(parts.probes)],
         ['objects', String(halflight.objects.length)],
         ['draw calls', String(drawn.calls)],

@@ -212,7 +212,11 @@ function depthRange(bounds) {
 function follow(before, shown) {
     const { debugView, shadowDistance, shadowFadeRange } = shown;
     Object.assign(before, { debugView, shadowDistance, shadowFadeRange });
-    before.lights.forEach(({ light }, i) => (light.intensity = shown.lights[i]?.light.intensity ?? light.intensity));
+    before.lights.forEach(({ light }, i) => {
+        if (!shown.lights[i]) return;
+        light.intensity = shown.lights[i].light.intensity;
+        light.color.copy(shown.lights[i].light.color);
+    });
 }
 
 function freeScene(root) {

@@ -8,7 +8,7 @@ import { chosenFiles, droppedFiles, load, sourceOfAddress, sourceOfFiles } from 
 import { Keys } from './keys.js';
 import { parametersOf, readLink, writeLink } from './link.js';
 import { Orbit } from './orbit.js';
-import { showLegend, showLights, showModes, showNotes, showStatistics } from './panel.js';
+import { showGroups, showLegend, showLights, showModes, showNotes, showStatistics } from './panel.js';
 import { Stage } from './stage.js';
 import { MODE_SENTENCES } from './views.js';
 
@@ -42,6 +42,7 @@ const divider = new Divider((part) => {
 });
 const bakery = new Bakery({ started: () => complain(''), failed: complain, baked: showBaked });
 let plain = null; // the file that the bakery bakes, where it can be shown
+let showWeights = () => {}; // of light groups, in the panel
 let odd = []; // sentences about parameters of the address
 let opened = 0; // files that were chosen: only the last one is shown, even where an earlier one takes longer to read
 let wanted = ''; // the part of the address that says what is open
@@ -50,6 +51,8 @@ function afterFrame(seconds) {
     showStatistics(element('statistics'), stage.shown, stage.drawn, seconds);
     notes();
     syncExposure();
+    showWeights();
+    if (stage.shown?.halflight.isFollowing) redraw();
 }
 
 function failed(error) {
@@ -58,6 +61,7 @@ function failed(error) {
 }
 
 function close() {
+    showWeights = () => {};
     element('controls').hidden = true;
     divider.show(false);
     element('file').textContent = 'no file open';
@@ -124,6 +128,8 @@ function show(file, parameters, before = null) {
     const { gltf, halflight } = file;
     keys.speed = Math.min(Math.max(0.12 * halflight.bounds.getSize(new Vector3()).length(), 0.3), 30);
     showModes(element('modes'), halflight, setMode);
+    element('groupsSection').hidden = halflight.lightGroups.length === 0;
+    showWeights = showGroups(element('groups'), halflight, redraw);
     showLights(element('lights'), halflight, redraw);
     file.cameras = [
         ...gltf.cameras.map((from, i) => ({ from, name: from.name || from.parent?.name || `camera ${i + 1}` })),
@@ -305,6 +311,11 @@ onInput('fade', (value) => (stage.shown.halflight.shadowFadeRange = Number(value
 onInput('exposure', (value) => stage.expose(Number(value)));
 onInput('view', setView);
 onInput('camera', (value) => useCamera(Number(value)));
+element('saved').addEventListener('click', () => {
+    const { halflight } = stage.shown;
+    for (const { name, savedWeight } of halflight.lightGroups) halflight.setLightGroup(name, savedWeight);
+    redraw();
+});
 element('automatic').addEventListener('click', exposeAutomatically);
 element('link').addEventListener('click', () => {
     const url = addressOfView();

@@ -1,8 +1,11 @@
 import type { Accessor, Document, Extension, ExtensionProperty, ReaderContext, Texture, WriterContext } from '@gltf-transform/core';
 
-/** Keys of pictures: "lightmaps/0", "lightmapDirections/0", "shadowmasks/0" and so on, one per page, "sky" and "reflectionProbes". */
-export type PictureKey = `${'lightmaps' | 'lightmapDirections' | 'shadowmasks'}/${number}` | 'sky' | 'reflectionProbes';
-export type ProbeAccessor = 'positions' | 'radiance' | 'occlusion' | 'valid' | 'tetrahedra' | 'neighbors';
+/**
+ * Keys of pictures: "lightmaps/0", "lightmapDirections/0", "shadowmasks/0" and so on, one per page, "sky" and "reflectionProbes".
+ * Those of light groups begin with the group: "groups/0/lightmaps/0", "groups/0/lightmapDirections/0".
+ */
+export type PictureKey = `${'lightmaps' | 'lightmapDirections' | 'shadowmasks'}/${number}` | `groups/${number}/${'lightmaps' | 'lightmapDirections'}/${number}` | 'sky' | 'reflectionProbes';
+export type ProbeAccessor = 'positions' | 'radiance' | 'occlusion' | 'valid' | 'tetrahedra' | 'neighbors' | `groups/${number}/radiance`;
 
 declare abstract class RecordProperty extends ExtensionProperty {
     readonly extensionName: string;

@@ -1,6 +1,6 @@
 // glTF Transform extensions for files that Halflight baked: docs/format.md of that project describes them.
 import { Extension, PropertyType } from '@gltf-transform/core';
-import { AREA_LIGHTS, LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, REFLECTION_PICTURE, SKY_PICTURE, TEXTURE_KTX2 } from './names.js';
+import { AREA_LIGHTS, GROUP_LISTS, LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, REFLECTION_PICTURE, SKY_PICTURE, TEXTURE_KTX2 } from './names.js';
 import { AreaLight, LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode } from './properties.js';
 import { mergeSurfaces, splitSurfaces } from './surfaces.js';
 
@@ -40,11 +40,6 @@ export class HalflightMixedLighting extends Extension {
                 `the bake is of version ${record.version} of the format, and tools keep versions 2 and 3: bake the file again`
             );
         }
-        if (record.groups) {
-            throw new Error(
-                'the bake has light groups, which this package does not keep yet: halflight compose writes a state of them as a file without groups'
-            );
-        }
         const lighting = this.createMixedLighting();
         const keep = (key, reference) => {
             const def = json.textures[reference.index];
@@ -55,12 +50,17 @@ export class HalflightMixedLighting extends Extension {
             if (def.source !== undefined && def.source !== source)
                 lighting.setPlaceholder(context.textures[def.source]);
         };
-        for (const list of PICTURE_LISTS) {
-            (record[list] ?? []).forEach((reference, page) => {
-                if (reference.index !== undefined) keep(`${list}/${page}`, reference); // mask pages that are lit everywhere have none
-            });
-            if (record[list]) record[list] = record[list].length;
-        }
+        for (const [own, lists, path] of recordsWithPages(record))
+            for (const list of lists) {
+                (own[list] ?? []).forEach((reference, page) => {
+                    if (reference.index !== undefined) keep(`${path}${list}/${page}`, reference); // pages that are lit everywhere, or nowhere, have none
+                });
+                if (own[list]) own[list] = own[list].length;
+            }
+        (record.groups ?? []).forEach((group, g) => {
+            if (group.radiance !== undefined) lighting.setProbeAccessor(`groups/${g}/radiance`, context.accessors[group.radiance]);
+            delete group.radiance;
+        });
         if (record.sky?.picture) {
             keep(SKY_PICTURE, record.sky.picture);
             delete record.sky.picture.index;
@@ -86,13 +86,18 @@ export class HalflightMixedLighting extends Extension {
         if (!lighting) return this;
         const { json } = context.jsonDoc;
         const record = lighting.getRecord();
-        for (const list of PICTURE_LISTS) {
-            if (!record[list]) continue;
-            record[list] = Array.from({ length: record[list] }, (_, page) => {
-                const picture = lighting.getPicture(`${list}/${page}`);
-                return picture ? { index: writeTexture(context, picture, lighting.getPlaceholder()) } : {};
-            });
-        }
+        for (const [own, lists, path] of recordsWithPages(record))
+            for (const list of lists) {
+                if (own[list] === undefined) continue;
+                own[list] = Array.from({ length: own[list] }, (_, page) => {
+                    const picture = lighting.getPicture(`${path}${list}/${page}`);
+                    return picture ? { index: writeTexture(context, picture, lighting.getPlaceholder()) } : {};
+                });
+            }
+        (record.groups ?? []).forEach((group, g) => {
+            const accessor = lighting.getProbeAccessor(`groups/${g}/radiance`);
+            if (accessor) group.radiance = context.accessorIndexMap.get(accessor);
+        });
         if (record.sky?.picture) {
             const sky = lighting.getPicture(SKY_PICTURE);
             record.sky.picture.index = writeTexture(context, sky, lighting.getPlaceholder(), REPEAT);
@@ -108,6 +113,11 @@ export class HalflightMixedLighting extends Extension {
         json.extensions = { ...json.extensions, [MIXED_LIGHTING]: record };
         return this;
     }
+}
+
+/** Records that list pictures by page, which lists they have, and the beginning of the pictures' keys. */
+function recordsWithPages(record) {
+    return [[record, PICTURE_LISTS, ''], ...(record.groups ?? []).map((group, g) => [group, GROUP_LISTS, `groups/${g}/`])];
 }
 
 /** Index of the image that a texture of the bake shows. */
@@ -254,12 +264,19 @@ export class HalflightMaterial extends Extension {
 
     read(context) {
         for (const [material, record] of records(context.jsonDoc.json.materials, context.materials, MATERIAL))
-            material.setExtension(MATERIAL, this.createMaterialSwitches().setRecord(record));
+            material.setExtension(MATERIAL, this.createMaterialSwitches().setRecord(record).setEmission(material.getEmissiveFactor()));
         return this;
     }
 
     write(context) {
         const { json } = context.jsonDoc;
+        for (const material of this.document.getRoot().listMaterials()) {
+            const isWhole = material.getExtension(MATERIAL)?.followEmission(material.getEmissiveFactor()) ?? true;
+            if (!isWhole)
+                this.document
+                    .getLogger()
+                    .warn(`halflight: "${material.getName()}" was off and can no longer be switched on: a palette holds its emission; leave the palette out`);
+        }
         writeRecords(this.document.getRoot().listMaterials(), context.materialIndexMap, json.materials, MATERIAL);
         return this;
     }

@@ -8,6 +8,8 @@ export const TEXTURE_KTX2 = 'HALFLIGHT_texture_ktx2';
 
 /** Members of the root extension that list one picture per lightmap page. */
 export const PICTURE_LISTS = ['lightmaps', 'lightmapDirections', 'shadowmasks'];
+/** Those of them that a light group has too. */
+export const GROUP_LISTS = ['lightmaps', 'lightmapDirections'];
 /** Key of the sky's picture among those of the bake. */
 export const SKY_PICTURE = 'sky';
 /** Key of the reflection probes' picture. */

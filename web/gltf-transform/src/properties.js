@@ -75,7 +75,27 @@ export class LightRecord extends recordOf(LIGHT, 'HalflightLight', PropertyType.
 export class AreaLight extends recordOf(AREA_LIGHTS, 'AreaLight', PropertyType.NODE) {}
 
 /** HALFLIGHT_material. */
-export class MaterialSwitches extends recordOf(MATERIAL, 'HalflightMaterial', PropertyType.MATERIAL) {}
+export class MaterialSwitches extends recordOf(MATERIAL, 'HalflightMaterial', PropertyType.MATERIAL) {
+    getDefaults() {
+        return Object.assign(super.getDefaults(), { emission: [] });
+    }
+    /** Emission factor that `white` of the record fits. @param {number[]} factor */
+    setEmission(factor) {
+        return this.set('emission', factor);
+    }
+    /**
+     * palette() moves emission into a texture, whose factor is then another: so is the record's `white`.
+     * @param {number[]} factor that the material has now @returns {boolean} whether its light group still can give it all colours
+     */
+    followEmission(factor) {
+        const { baking, ...record } = this.getRecord();
+        const before = this.get('emission');
+        if (!baking?.white || before.length === 0) return true;
+        const white = baking.white.map((x, c) => (before[c] > 0 ? (x * factor[c]) / before[c] : x));
+        this.setRecord({ ...record, baking: { ...baking, white } }).setEmission(factor);
+        return white.every((x, c) => before[c] > 0 || x === 0 || factor[c] === before[c]);
+    }
+}
 
 /**
  * Makes the material of a node's primitive differ from all others while tools work, and tells them that it reads the

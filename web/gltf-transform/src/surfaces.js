@@ -10,6 +10,7 @@ import { NODE } from './names.js';
  */
 export function splitSurfaces(nodeExtension, nodes, lightmapOfPage) {
     const meshes = new Map();
+    const materials = new Set(); // of which all users have copies
     nodes.forEach(({ node, lighting }, key) => {
         const mesh = node.getMesh();
         if (!mesh) return;
@@ -19,12 +20,14 @@ export function splitSurfaces(nodeExtension, nodes, lightmapOfPage) {
         const own = mesh.clone();
         for (const primitive of mesh.listPrimitives()) {
             const ownPrimitive = primitive.clone();
+            materials.add(primitive.getMaterial());
             ownPrimitive.setMaterial(ownMaterial(nodeExtension, primitive, key, lightmap, lightmapOfPage));
             own.removePrimitive(primitive).addPrimitive(ownPrimitive);
         }
         node.setMesh(own);
     });
     for (const mesh of meshes.keys()) disposeIfUnused(mesh, new Set());
+    for (const material of materials) if (material?.listParents().every((parent) => parent.propertyType === 'Root')) material.dispose();
 }
 
 function ownMaterial(nodeExtension, primitive, key, lightmap, lightmapOfPage) {

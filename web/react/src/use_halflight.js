@@ -29,6 +29,7 @@ export function useHalflight(url, options) {
         if (!halflight || updated.get(halflight) === clock.elapsedTime) return;
         updated.set(halflight, clock.elapsedTime);
         halflight.update(gl, camera, scene);
+        if (halflight.isFollowing) invalidate();
     });
     return [gltf, halflight];
 }

@@ -7,6 +7,7 @@ import { test } from 'node:test';
 
 import { readGlb, writeGlb } from '../glb.mjs';
 import { findProgram } from '../harness.mjs';
+import { bakeGroups } from './groups_scene.mjs';
 import { studio } from './studio.mjs';
 
 const BAKE = '/extensions/HALFLIGHT_mixed_lighting';
@@ -34,6 +35,17 @@ class Faulty {
         const texture = this.json.textures[index];
         const held = Object.values(texture.extensions ?? {}).find((e) => e.source !== undefined) ?? texture;
         return this.json.bufferViews[this.json.images[held.source].bufferView];
+    }
+
+    /** A group that has directions, and its index. */
+    group() {
+        const index = this.bake.groups.findIndex(({ lightmapDirections }) => lightmapDirections?.some((page) => page.index !== undefined));
+        return { index, group: this.bake.groups[index] };
+    }
+
+    floatsOf(accessor) {
+        const { bufferView, byteOffset = 0 } = this.json.accessors[accessor];
+        return (this.json.bufferViews[bufferView].byteOffset ?? 0) + byteOffset;
     }
 
     node(extension) {
@@ -99,6 +111,36 @@ const FAULTS = [
     ['the place of a light gone', (f) => { delete f.node('HALFLIGHT_light').baking.worldFromLight; }, 'moved since its bake'],
 ];
 
+const first = (change) => (f) => change(f.bake.groups[0], f);
+const directed = (change) => (f) => change(f.group().group, f);
+
+/** The same for a file with light groups. */
+const GROUP_FAULTS = [
+    ['a group without a name', first((g) => { delete g.name; }), `${BAKE}/groups/0: has no name of its own`],
+    ['two groups of one name', first((g, f) => { f.bake.groups[1].name = g.name; }), `${BAKE}/groups/1: has no name of its own`],
+    ['a group without a weight', first((g) => { delete g.weight; }), `${BAKE}/groups/0: weight is not three numbers`],
+    ['a weight below 0', first((g) => { g.weight[1] = -1; }), `${BAKE}/groups/0/weight/1: is -1`],
+    ['a weight in words', first((g) => { g.weight = 'red'; }), `${BAKE}/groups/0/weight: is "red"`],
+    ['a peak beyond light', first((g) => { g.peak = 1e30; }), `${BAKE}/groups/0/peak: is 1e+30`],
+    ['a unit of 0', first((g) => { g.lightmapUnitLux = 0; }), `${BAKE}/groups/0/lightmapUnitLux: is 0`],
+    ['seventeen groups', (f) => { f.bake.groups = Array.from({ length: 17 }, (_, i) => ({ ...f.bake.groups[0], name: `group ${i}` })); }, `${BAKE}: groups is no list of at most 16`],
+    ['groups in version 2', (f) => { f.bake.version = 2; }, `${BAKE}: groups is no list of at most 16, or the version has no groups`],
+    ['a light in a group that is not there', (f) => { f.json.nodes.find(({ name }) => name === 'lamp').extensions.HALFLIGHT_light.baking.group = 9; }, `${BAKE}: light "lamp" is in a light group that the file lacks`],
+    ['a material in a group that is not there', (f) => { f.json.materials.find(({ extensions }) => extensions?.HALFLIGHT_material?.baking).extensions.HALFLIGHT_material.baking.group = 9; }, `${BAKE}: material "neon" is in a light group that the file lacks`],
+    ['a group without pages', first((g) => { delete g.lightmaps; }), `${BAKE}/groups/0: has 0 lightmaps beside the bake's`],
+    ['a page that is not there', first((g) => { g.lightmaps[0] = { index: 999 }; }), `${BAKE}/groups/0/lightmaps/0: refers to a texture`],
+    ['a page cut short', directed((g, f) => { f.picture(g.lightmaps.find((page) => page.index !== undefined)).byteLength = 100; }), /groups\/\d\/lightmaps\/\d: the KTX2 image is not readable/],
+    ['a page of another size', first((g, f) => { g.lightmaps[0] = f.bake.reflectionProbes.picture; }), `${BAKE}/groups/0: has a page 0 of another size than the bake's own`],
+    ['directions of fewer pages', directed((g) => g.lightmapDirections.pop()), /groups\/\d: has \d lightmapDirections for \d lightmaps/],
+    ['directions that the bake lacks', (f) => { delete f.bake.lightmapDirections; }, /groups\/\d: has directions, which the bake's own lightmap lacks/],
+    ['radiance gone', first((g) => { delete g.radiance; }), `${BAKE}/groups/0: radiance refers to an accessor`],
+    ['radiance is short', first((g, f) => { f.json.accessors[g.radiance].count -= 1; }), `${BAKE}/groups/0: radiance does not have`],
+    ['radiance of another type', first((g, f) => { f.json.accessors[g.radiance].type = 'VEC2'; }), /^\/accessors\/\d+: has 2 components/],
+    ['radiance that is not finite', first((g, f) => f.buffer.writeFloatLE(NaN, f.floatsOf(g.radiance) + 4 * 7)), /^\/accessors\/\d+: element 2 holds/],
+    ['radiance beyond light', first((g, f) => f.buffer.writeFloatLE(1e38, f.floatsOf(g.radiance) + 4 * 7)), `${BAKE}/groups/0: has radiance that is not`],
+    ['groups gone', (f) => { delete f.bake.groups; }, `${LOST}its groups`],
+];
+
 /** What the program says to a file: the path it refuses it with, or parts of the bake that are lost and lights that moved. */
 function programsWords(path) {
     const { stderr, status } = spawnSync(findProgram(), ['info', path], { encoding: 'utf8' });
@@ -142,12 +184,25 @@ async function attempt(file) {
 test('broken files: refused with a path, or shown with a sentence', async () => {
     studio.bake('tests/sphere_on_floor', 'whole', '--lightmap-size', '128');
     const { page } = await studio.pageOf('three');
-    const whole = await page.evaluate(attempt, '/files/whole.glb');
+    assert.deepEqual(await wrongOf(page, 'whole', FAULTS), []);
+    writeFileSync(join(studio.files, 'cut.glb'), Buffer.from(new Uint8Array(64)));
+    const cut = await page.evaluate(attempt, '/files/cut.glb');
+    assert.ok(cut.refused, 'what is no glTF is refused by the loader');
+});
+
+test('broken files: light groups S33', async () => {
+    const { page } = await studio.pageOf('three');
+    assert.deepEqual(await wrongOf(page, bakeGroups(), GROUP_FAULTS), []);
+});
+
+/** Sentences about faults that a file was shown with, or refused in another way than by the program. @param {string} base a file that is whole */
+async function wrongOf(page, base, faults) {
+    const whole = await page.evaluate(attempt, `/files/${base}.glb`);
     assert.deepEqual(whole.errors, []);
     assert.ok(!whole.warnings.some((sentence) => /lost|moved/.test(sentence)), whole.warnings.join());
     const wrong = [];
-    for (const [i, [name, change, expected]] of FAULTS.entries()) {
-        const file = new Faulty(studio.pathOf('whole'));
+    for (const [i, [name, change, expected]] of faults.entries()) {
+        const file = new Faulty(studio.pathOf(base));
         change(file);
         writeGlb(studio.pathOf(`broken-${i}`), file);
         const { refused, warnings = [], errors = [] } = await page.evaluate(attempt, `/files/broken-${i}.glb`);
@@ -159,8 +214,5 @@ test('broken files: refused with a path, or shown with a sentence', async () => 
         const same = program.path ? refused?.startsWith(`${program.path}: `) : program.warnings.length > 0 && warnings.some((sentence) => sentence.includes(program.warnings[0]));
         if (!same) wrong.push(`${name}: the program says ${JSON.stringify(program)}, the plug-in ${refused ?? warnings.join(' | ')}`);
     }
-    assert.deepEqual(wrong, []);
-    writeFileSync(join(studio.files, 'cut.glb'), Buffer.from(new Uint8Array(64)));
-    const cut = await page.evaluate(attempt, '/files/cut.glb');
-    assert.ok(cut.refused, 'what is no glTF is refused by the loader');
-});
+    return wrong;
+}

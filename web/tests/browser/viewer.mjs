@@ -1,11 +1,13 @@
 // The viewer: what it opens, what its controls change, and its links.
 import assert from 'node:assert/strict';
-import { mkdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 
 import { readGlb } from '../glb.mjs';
 import { repository } from '../harness.mjs';
+import { bakeGroups } from './groups_scene.mjs';
+import { studio } from './studio.mjs';
 import { close, conformance, drop, folder, open } from './viewer_page.mjs';
 import { differenceFromProgram } from '../viewer_picture.mjs';
 
@@ -103,6 +105,61 @@ test('the viewer: modes, views, lights and shadow distance change the picture, a
     assert.equal(await text('#legend'), '');
     await change('one light less', () => page.uncheck('#lights input[type=checkbox]:not(:disabled)'));
     assert.match(await text('#notes'), /its bounced light stays/);
+    await close(viewer);
+});
+
+test('the viewer: a colour and a brightness for each light group S33, and links that keep them', async () => {
+    copyFileSync(studio.pathOf(bakeGroups()), join(folder, 'groups.glb'));
+    const viewer = await open('?file=groups.glb&exposure=2');
+    const { page, link, text } = viewer;
+    /** Until no frame follows: a large proxy volume takes several. */
+    const rest = async (own = page) => {
+        const frames = () => own.evaluate(() => document.body.dataset.frames);
+        for (let before = ''; before !== (await frames()); ) {
+            before = await frames();
+            await own.waitForTimeout(1500);
+        }
+    };
+    const drawn = async (act) => {
+        await viewer.drawn(act);
+        await rest();
+    };
+    /** Beside the panel. */
+    const picture = async (own = page) => {
+        await rest(own);
+        return own.screenshot({ clip: { x: 330, y: 0, width: 330, height: 320 } });
+    };
+    assert.equal(await page.locator('#groups input[type=range]').count(), 5);
+    assert.match(await text('#statistics'), /light groups, 5[^M]*\d\.\d\d MB/);
+    assert.match(await text('#lights'), /lampof light group lamp/);
+    assert.equal((await link()).get('weights'), null, 'the weights are those of the file');
+    const saved = await picture();
+    const range = page.locator('#groups input[aria-label="Brightness of lamp"]');
+    const color = page.locator('#groups input[aria-label="Colour of lamp"]');
+    assert.equal(await color.inputValue(), '#ff593f', 'red, 0.1 of green and 0.05 of blue');
+    await drawn(() => range.fill('0'));
+    const off = await picture();
+    assert.ok(!off.equals(saved), 'the lamp is off');
+    assert.match(await text('#notes'), /reflection probes keep the light of the bake/i);
+    await drawn(() => color.fill('#0000ff'));
+    assert.ok((await picture()).equals(off), 'a colour of a lamp that is off shows nothing yet');
+    await drawn(() => range.fill('2'));
+    const blue = await picture();
+    assert.ok(!blue.equals(off) && !blue.equals(saved), 'a blue lamp');
+    const sent = await link();
+    const weights = sent.get('weights').split(',').map(Number);
+    assert.equal(weights.length, 15);
+    assert.ok(weights.join().includes('0,0,2'), weights.join());
+    const again = await open(`?file=groups.glb#${sent}`);
+    assert.equal((await again.link()).get('weights'), sent.get('weights'), 'the link keeps the weights');
+    assert.equal(await again.page.inputValue('#groups input[aria-label="Colour of lamp"]'), '#0000ff');
+    await again.drawn(() => again.page.evaluate(() => (location.hash = 'exposure=2&weights=1,2')));
+    assert.match(await again.text('#notes'), /weights=1,2, which is left out: it takes 15 numbers from 0 on/);
+    await close(again);
+    await drawn(() => page.click('#saved'));
+    assert.ok((await picture()).equals(saved), 'as the file has them');
+    await viewer.choose(join(conformance, 'sphere_on_floor.glb'));
+    assert.equal(await page.isVisible('#groupsSection'), false, 'a file without groups');
     await close(viewer);
 });
 

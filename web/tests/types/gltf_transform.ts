@@ -13,6 +13,8 @@ export async function list(path: string): Promise<string[]> {
     const root = document.getRoot();
     const lighting = root.getExtension<MixedLighting>(MixedLighting.EXTENSION_NAME);
     const key: PictureKey = 'shadowmasks/0';
+    const ofGroup: PictureKey = 'groups/0/lightmaps/1';
+    lighting?.setPicture(ofGroup, lighting.getPicture(ofGroup)).setProbeAccessor('groups/0/radiance', lighting.getProbeAccessor('groups/0/radiance'));
     const accessor: ProbeAccessor = 'tetrahedra';
     const names = (lighting?.listPictures() ?? []).map(([name, texture]) => `${name} ${texture.getMimeType()}`);
     lighting?.setPicture(key, lighting.getPicture(key)).setProbeAccessor(accessor, lighting.getProbeAccessor(accessor));

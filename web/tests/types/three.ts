@@ -1,8 +1,8 @@
 // All of the public API of @halflight/three, as an application would use it: compiled by types.test.mjs, never run.
-import { HalflightPlugin, HalflightScene, MODES, RELEASES, VIEWS, type BakedGLTF, type BakedLight, type Mode, type Options, type View } from '@halflight/three';
+import { HalflightPlugin, HalflightScene, MODES, RELEASES, VIEWS, type BakedGLTF, type BakedLight, type LightGroup, type Mode, type Options, type View } from '@halflight/three';
 import { HalflightPlugin as NodePlugin } from '@halflight/three/webgpu';
-import { isBaked, readBaked, type BakedData, type LightData, type NodeData, type Pixels, type ProbeData, type Source } from '@halflight/three/file';
-import { Box3, Mesh, PerspectiveCamera, Scene, WebGLRenderer } from 'three';
+import { composeLight, isBaked, readBaked, type BakedData, type GroupData, type LightData, type NodeData, type Pixels, type ProbeData, type Source } from '@halflight/three/file';
+import { Box3, Color, Mesh, PerspectiveCamera, Scene, WebGLRenderer } from 'three';
 import { LightProbeGridWebGL } from 'three/addons/lighting/LightProbeGridWebGL.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 
@@ -30,6 +30,14 @@ export async function show(renderer: WebGLRenderer, camera: PerspectiveCamera, s
         light.shadowStrength = 0.5;
         light.light.intensity *= 2;
     }
+    const group: LightGroup | undefined = halflight.lightGroups[0];
+    if (group) halflight.setLightGroup(group.name, group.savedWeight);
+    halflight.setLightGroup('lamps', 0.5);
+    while (halflight.isFollowing) halflight.update(renderer, camera);
+    halflight.setLightGroup('lamps', [1, 0.5, 0.2]);
+    halflight.setLightGroup('lamps', new Color(0xffaa88));
+    // @ts-expect-error a weight is no text
+    halflight.setLightGroup('lamps', 'red');
     const own = new Mesh();
     halflight.add(own);
     halflight.remove(own);
@@ -55,6 +63,8 @@ export async function read(source: Source): Promise<number> {
     const probes: ProbeData | null = data.probes;
     const node: NodeData | undefined = data.nodes.get(0);
     const light: LightData | undefined = data.lights.get(0);
+    const groups: GroupData[] = data.groups;
+    pages.push(...composeLight(data, groups.map(({ weight }) => weight)).lightmaps);
     const cells = probes?.cells?.vertices.length ?? 0;
     return pages.length + cells + (node?.lightmap?.page ?? 0) + (light?.channel ?? -1) + data.bytes.probes;
 }

@@ -6,6 +6,7 @@ import { isBaked, readBaked } from './file/read.js';
 import { checkRelease } from './releases.js';
 import { areaLightOf } from './scene/area_lights.js';
 import { stampOf } from './scene/instances.js';
+import { playPointers } from './scene/pointers.js';
 import { HalflightScene } from './scene/scene.js';
 
 export class HalflightPlugin {
@@ -35,6 +36,7 @@ export class HalflightPlugin {
         for (const plugin of others) loading ??= plugin.loadNode(index);
         return (loading ?? parser.loadNode(index)).then((root) => {
             this.stamp(root, index);
+            if (parser.json.nodes[index].extensions?.KHR_node_visibility?.visible === false) root.visible = false;
             return root;
         });
     }
@@ -60,15 +62,17 @@ export class HalflightPlugin {
             if (lostBake(parser.json)) console.warn(LOST);
             return;
         }
+        const accessor = async (index) => plainAccessor(await parser.getDependency('accessor', index));
         const data = await readBaked({
             json: parser.json,
-            accessor: async (index) => plainAccessor(await parser.getDependency('accessor', index)),
+            accessor,
             bufferView: (index) => parser.getDependency('bufferView', index),
             file: (uri) => parser.fileLoader.loadAsync(LoaderUtils.resolveURL(uri, parser.options.path)),
         });
         gltf.scene.userData.halflight = { file: this.file, root: true };
-        const { objects, lights } = collect(gltf.scene, parser.json, this.file);
+        const { objects, lights, nodes } = collect(gltf.scene, parser.json, this.file);
         this.scene = new HalflightScene(gltf.scene, data, objects, lights, this.options, this.file);
+        await playPointers(gltf, parser, this.scene, nodes, lights, accessor);
         gltf.userData.halflight = this.scene;
     }
 }
@@ -111,5 +115,5 @@ function collect(scene, json, file) {
         light.userData.halflight = { file, node, isAreaLight: true };
         lights.push({ light, node, name: json.nodes[node].name ?? `node ${node}` });
     }
-    return { objects: [...objects.values()], lights };
+    return { objects: [...objects.values()], lights, nodes };
 }

@@ -25,6 +25,28 @@ export interface LightData {
     worldFromLight: number[];
     reach: number;
     outerCone: number;
+    /** Index among the light groups, -1 none. */
+    group: number;
+    /** Colour times intensity at the weight 1. */
+    white: number[];
+}
+
+/** Light by itself, at the weight 1. */
+export interface GroupData {
+    name: string;
+    /** That the file saves, by channel. */
+    weight: number[];
+    /** Lux of the brightest channel of a texel. */
+    peak: number;
+    /** Whether the sky is a member. */
+    sky: boolean;
+    unitLux: number;
+    /** RGB9E5 texels; null is a page without light. */
+    lightmaps: (Pixels | null)[];
+    /** RGBA8 texels; none where no page has them. */
+    directions: (Pixels | null)[];
+    /** Nine RGB coefficients for each probe. */
+    radiance: Float32Array;
 }
 
 export interface ProbeData {
@@ -58,12 +80,15 @@ export interface BakedData {
     /** The probes' tiles, RGB9E5 with a unit, one below the other; world space. */
     reflections: { picture: Pixels; unitNits: number; size: number; probes: { position: number[]; box: number[]; fade: number }[] } | null;
     shadowColor: number[];
+    /** Light groups, whose light lightmaps, directions and probes lack. */
+    groups: GroupData[];
     /** What a tool dropped of the bake. */
     lost: string[];
     nodes: Map<number, NodeData>;
     lights: Map<number, LightData>;
-    materials: Map<number, { castShadows: boolean; receiveShadows: boolean }>;
-    bytes: { lightmaps: number; masks: number; directions: number; probes: number; sky: number; reflections: number };
+    /** white: emission at the weight 1 of its light group, cd/m2. */
+    materials: Map<number, { castShadows: boolean; receiveShadows: boolean; group: number; white: number[] }>;
+    bytes: { lightmaps: number; masks: number; directions: number; probes: number; sky: number; reflections: number; groups: number };
 }
 
 export interface Source {
@@ -76,3 +101,5 @@ export interface Source {
 
 export function isBaked(json: unknown): boolean;
 export function readBaked(source: Source): Promise<BakedData>;
+/** Pages of a state of a bake with light groups: weights by channel in the groups' order, the saved ones where absent. */
+export function composeLight(data: BakedData, weights?: number[][]): { unitLux: number; lightmaps: Pixels[]; directions: Pixels[] };

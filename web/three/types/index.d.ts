@@ -38,6 +38,14 @@ export interface BakedLight {
     shadowStrength: number;
 }
 
+/** A light group of the file: weights by channel, linear. */
+export interface LightGroup {
+    readonly name: string;
+    readonly weight: [number, number, number];
+    /** That the file saves, with which it looks as its scene did. */
+    readonly savedWeight: [number, number, number];
+}
+
 export class HalflightScene {
     /** Throws where the bake holds no data for the mode. */
     mode: Mode;
@@ -51,6 +59,12 @@ export class HalflightScene {
     shadowColor: [number, number, number];
     readonly data: BakedData;
     readonly lights: BakedLight[];
+    /** Light groups of the file in its order; none where it has none. */
+    readonly lightGroups: LightGroup[];
+    /** Multiplies the light of a group, from the next update() on: 0 is off. Throws where there is no such group, or no such weight. */
+    setLightGroup(name: string, color: number | readonly [number, number, number] | Color): void;
+    /** Whether light still follows a change of weights piece by piece: where frames are drawn on demand, draw another one. */
+    readonly isFollowing: boolean;
     /** Sentences about what is left out or shows in part, while it is so. */
     readonly warnings: Set<string>;
     /** Call before each frame; throws an error once. `scene` is needed only where the file's own objects are in no scene, such as with clones alone. */

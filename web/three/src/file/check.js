@@ -9,6 +9,7 @@ const LARGEST_INDEX = 2 ** 31 - 1;
 const MODES = ['baked-indirect', 'shadowmask', 'subtractive'];
 const PROBES = ['automatic', 'single', 'volume'];
 const MOST_REFLECTIONS = 32;
+const MOST_GROUPS = 16;
 
 /** @param {string} path @param {string} message */
 export function invalid(path, message) {
@@ -88,7 +89,6 @@ export function checkBake(json) {
     if (root.version > 3) throw invalid(BAKE, `was written by a newer version of this program: its format is version ${root.version}`);
     if (root.version === 1) throw invalid(BAKE, 'was written by an old version of the program: bake again');
     if (root.version !== 2 && root.version !== 3) throw invalid(BAKE, `version is ${shown(root.version)}, not 2 or 3`);
-    if (root.groups !== undefined) throw invalid(BAKE, 'has light groups, which this plug-in does not show: halflight compose writes a state of them as a file without groups');
     if (!MODES.includes(root.mode)) throw invalid(BAKE, `mode is not ${MODES.slice(0, 2).join(', ')} or ${MODES[2]}`);
     checkShape(json, SHAPE, '');
     checkBounds(json);
@@ -97,6 +97,7 @@ export function checkBake(json) {
     checkPictures(json, root);
     checkReflections(json, root.reflectionProbes);
     checkProbes(json, root.probes);
+    if (root.groups !== undefined) checkGroups(json, root);
     (json.nodes ?? []).forEach((node, i) => checkNode(node, root, `/nodes/${i}`));
 }
 
@@ -124,6 +125,38 @@ function checkLayers(json, root) {
         const channel = node.extensions?.HALFLIGHT_light?.baking?.occlusionMaskChannel;
         if (channel >= count) throw invalid(`/nodes/${i}/extensions/HALFLIGHT_light/baking/occlusionMaskChannel`, 'is of a mask layer that the file lacks');
     });
+}
+
+/** Light groups, and that lights and materials name none that the file lacks. @param {any} json @param {any} root */
+function checkGroups(json, root) {
+    const { groups } = root;
+    if (groups.length > MOST_GROUPS || root.version !== 3) throw invalid(BAKE, `groups is no list of at most ${MOST_GROUPS}, or the version has no groups`);
+    groups.forEach(({ name, weight }, g) => {
+        if (!name || groups.findIndex((other) => other.name === name) < g) throw invalid(`${BAKE}/groups/${g}`, 'has no name of its own');
+        if (!weight) throw invalid(`${BAKE}/groups/${g}`, 'weight is not three numbers');
+    });
+    for (const [kind, list, extension] of [['light', json.nodes, 'HALFLIGHT_light'], ['material', json.materials, 'HALFLIGHT_material']])
+        (list ?? []).forEach(({ name = '', extensions }) => {
+            if (extensions?.[extension]?.baking?.group >= groups.length) throw invalid(BAKE, `${kind} "${name}" is in a light group that the file lacks`);
+        });
+    groups.forEach((group, g) => checkGroup(json, root, group, `${BAKE}/groups/${g}`));
+}
+
+/** Pages and probes of a group: as many as the bake has. */
+function checkGroup(json, root, group, path) {
+    const { lightmaps = [], lightmapDirections = [], lightmapEncoding: curve } = group;
+    const pages = root.lightmaps?.length ?? 0;
+    lightmaps.forEach((entry, i) => {
+        if (entry.index === undefined) return;
+        checkPicture(json, entry, `${path}/lightmaps/${i}`);
+        if (curve && !(curve.scale && curve.exponent)) throw invalid(`${path}/lightmaps/${i}`, 'lightmapEncoding has no scale or no exponent');
+    });
+    if (lightmaps.length !== pages) throw invalid(path, `has ${lightmaps.length} lightmaps beside the bake's ${pages}`);
+    lightmapDirections.forEach((entry, i) => entry.index !== undefined && checkPicture(json, entry, `${path}/lightmapDirections/${i}`));
+    if (lightmapDirections.length > 0 && lightmapDirections.length !== pages) throw invalid(path, `has ${lightmapDirections.length} lightmapDirections for ${pages} lightmaps`);
+    if (lightmapDirections.length > 0 && !(root.lightmapDirections?.length > 0)) throw invalid(path, "has directions, which the bake's own lightmap lacks");
+    const probes = root.probes?.count ?? 0;
+    if (probes > 0 || group.radiance !== undefined) checkAccessor(json, group, 'radiance', path, 'VEC3', 9 * probes);
 }
 
 function checkPictures(json, root) {
@@ -192,12 +225,16 @@ function checkProbes(json, probes) {
     const count = (name) => json.accessors?.[probes[name]]?.count;
     for (const [name, [type, wanted]] of Object.entries(PROBE_ACCESSORS)) {
         if (probes[name] === undefined && optional.includes(name)) continue;
-        const accessor = json.accessors?.[probes[name]];
-        if (!accessor) throw invalid(path, `${name} refers to an accessor that does not exist`);
-        const elements = wanted?.(probes.count, count);
-        if (wanted && accessor.count !== elements) throw invalid(path, `${name} does not have ${elements} elements`);
-        if (accessor.type !== type && SIZES[accessor.type] !== undefined) throw invalid(`/accessors/${probes[name]}`, `has ${SIZES[accessor.type]} components where ${SIZES[type]} are needed`);
+        checkAccessor(json, probes, name, path, type, wanted?.(probes.count, count));
     }
+}
+
+/** A record's member that is an accessor. @param {number} [elements] any number where absent */
+function checkAccessor(json, record, name, path, type, elements) {
+    const accessor = json.accessors?.[record[name]];
+    if (!accessor) throw invalid(path, `${name} refers to an accessor that does not exist`);
+    if (elements !== undefined && accessor.count !== elements) throw invalid(path, `${name} does not have ${elements} elements`);
+    if (accessor.type !== type && SIZES[accessor.type] !== undefined) throw invalid(`/accessors/${record[name]}`, `has ${SIZES[accessor.type]} components where ${SIZES[type]} are needed`);
 }
 
 /** Bytes of a component by its type in glTF. */

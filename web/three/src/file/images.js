@@ -89,11 +89,21 @@ export function packRgb9e5(r, g, b) {
 
 let context = null;
 
-/** A 2D canvas would multiply by alpha, so WebGL reads the texels back. @param {ImageBitmap} bitmap */
-function pixelsOf(bitmap) {
+function contextOf() {
     context ??= new OffscreenCanvas(1, 1).getContext('webgl2');
     if (!context) throw new Error('the bake\'s pictures cannot be read: the browser has no WebGL 2');
-    const gl = context;
+    return context;
+}
+
+/** Whether the browser draws into half floats. */
+export function hasFloatTargets() {
+    const gl = contextOf();
+    return ['EXT_color_buffer_float', 'EXT_color_buffer_half_float'].some((name) => gl.getExtension(name) !== null);
+}
+
+/** A 2D canvas would multiply by alpha, so WebGL reads the texels back. @param {ImageBitmap} bitmap */
+function pixelsOf(bitmap) {
+    const gl = contextOf();
     const { width, height } = bitmap;
     const texture = gl.createTexture();
     const framebuffer = gl.createFramebuffer();

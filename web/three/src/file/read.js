@@ -4,6 +4,7 @@ import { readCells } from '../probes/cells.js';
 import { readSight } from '../probes/sight.js';
 import { bakeValueRanges } from '../generated/ranges.js';
 import { checkBake, invalid, isWithin, rangeText } from './check.js';
+import { membershipOf, readGroups } from './groups.js';
 import { hasSet, lossesOf } from './losses.js';
 import { readByCurve, readRgb9e5, decodeImage } from './images.js';
 
@@ -57,6 +58,8 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {number[]} worldFromLight
  * @property {number} reach
  * @property {number} outerCone
+ * @property {number} group index among the bake's groups, -1 none
+ * @property {number[]} white its colour times intensity at the weight 1
  */
 
 /**
@@ -85,12 +88,15 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {ReflectionData | null} reflections
  * @property {{zenith: number[], horizon: number[], ground: number[], picture?: SkyPicture}} sky
  * @property {number[]} shadowColor
+ * @property {import('./groups.js').GroupData[]} groups whose light lightmaps, directions and probes lack
  * @property {string[]} lost what a tool dropped of the bake
  * @property {Map<number, NodeData>} nodes
  * @property {Map<number, LightData>} lights
- * @property {Map<number, {castShadows: boolean, receiveShadows: boolean}>} materials
- * @property {{lightmaps: number, masks: number, directions: number, probes: number, sky: number, reflections: number}} bytes in the file
+ * @property {Map<number, {castShadows: boolean, receiveShadows: boolean, group: number, white: number[]}>} materials white: emission in cd/m2
+ * @property {{lightmaps: number, masks: number, directions: number, probes: number, sky: number, reflections: number, groups: number}} bytes in the file
  */
+
+export { composeLight } from '../groups/pages.js';
 
 /** Members of the probes' record: attenuation by mask layer. */
 const OCCLUSION = ['occlusion', 'occlusion1', 'occlusion2', 'occlusion3'];
@@ -105,7 +111,7 @@ export async function readBaked(source) {
     const root = source.json.extensions?.[ROOT];
     if (root === undefined) throw new Error('the file is not baked: it has no HALFLIGHT_mixed_lighting');
     checkBake(source.json);
-    const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0, sky: 0, reflections: 0 };
+    const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0, sky: 0, reflections: 0, groups: 0 };
     const decoded = async (entry, path, part, decode) => {
         const image = pictureOf(source.json, entry);
         const data = bytesOf(await (image.bufferView === undefined ? source.file(image.uri) : source.bufferView(image.bufferView)));
@@ -117,10 +123,11 @@ export async function readBaked(source) {
         }
     };
     const pages = (list, member, part, decode) => Promise.all((list ?? []).map((entry, page) => (entry.index === undefined ? null : decoded(entry, `${member}/${page}`, part, decode))));
+    const light = ({ lightmaps, lightmapEncoding: curve }, path, part) => pages(lightmaps, `${path}lightmaps`, part, (data, mimeType) => (curve ? readByCurve(data, mimeType, curve) : readRgb9e5(data)));
     const maskLayers = root.shadowmaskLayers ?? 1;
     const { picture, ...sky } = root.sky ?? { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
     const [lightmaps, directions, masks, skyPixels, reflectionPixels, probes] = await Promise.all([
-        pages(root.lightmaps, 'lightmaps', 'lightmaps', (data, mimeType) => (root.lightmapEncoding ? readByCurve(data, mimeType, root.lightmapEncoding) : readRgb9e5(data))),
+        light(root, '', 'lightmaps'),
         pages(root.lightmapDirections, 'lightmapDirections', 'directions', decodeImage),
         pages(root.shadowmasks, 'shadowmasks', 'masks', decodeImage),
         picture && decoded(picture, 'sky/picture', 'sky', readRgb9e5),
@@ -129,6 +136,9 @@ export async function readBaked(source) {
     ]);
     bytes.probes = bytesOfProbes(source.json, root.probes);
     checkPages(lightmaps, directions, masks.filter(Boolean), maskLayers > 1);
+    const directionsOf = (record, path) => pages(record.lightmapDirections, `${path}lightmapDirections`, 'groups', decodeImage);
+    const groups = await readGroups(root, { lightmaps: light, directions: directionsOf, floats: (index) => floatsOf(source, index) }, lightmaps);
+    bytes.groups += bytesOfAccessors(source.json, (root.groups ?? []).map((group) => group.radiance));
     return {
         version: root.version,
         mode: root.mode,
@@ -143,11 +153,13 @@ export async function readBaked(source) {
         sky: picture ? { ...sky, picture: { pixels: skyPixels, unitNits: picture.unitNits, rotation: picture.rotation } } : sky,
         shadowColor: root.subtractiveShadowColor ?? [0, 0, 0],
         nodes: collect(source.json.nodes, NODE, (e, node) => nodeData(e, hasSet(source.json, node, e.lightmap?.texCoord ?? 1))),
+        groups,
         lost: lossesOf(source.json),
-        lights: collect(source.json.nodes, LIGHT, lightData),
+        lights: collect(source.json.nodes, LIGHT, (e) => ({ ...lightData(e), ...membershipOf(e.baking, root) })),
         materials: collect(source.json.materials, MATERIAL, (e) => ({
             castShadows: e.castShadows ?? true,
             receiveShadows: e.receiveShadows ?? true,
+            ...membershipOf(e.baking, root),
         })),
         bytes,
     };
@@ -191,15 +203,17 @@ function readChannels(channels, count) {
     });
 }
 
+async function floatsOf(source, index) {
+    const { array, itemSize } = await source.accessor(index);
+    const bad = array.findIndex((x) => !Number.isFinite(x));
+    if (bad >= 0) throw invalid(`/accessors/${index}`, `element ${Math.floor(bad / itemSize)} holds a number that is not finite`);
+    return Float32Array.from(array);
+}
+
 async function readProbes(source, root, maskLayers) {
     const p = root.probes;
     if (!p || !(p.count > 0)) return null;
-    const floats = async (index) => {
-        const { array, itemSize } = await source.accessor(index);
-        const bad = array.findIndex((x) => !Number.isFinite(x));
-        if (bad >= 0) throw invalid(`/accessors/${index}`, `element ${Math.floor(bad / itemSize)} holds a number that is not finite`);
-        return Float32Array.from(array);
-    };
+    const floats = (index) => floatsOf(source, index);
     const integers = async (index) => (index === undefined ? null : (await source.accessor(index)).array);
     const [positions, radiance, occlusion, valid, tetrahedra, neighbors, sightRanges, sight] = await Promise.all([
         floats(p.positions),
@@ -235,10 +249,13 @@ function checkValues(name, values, size, what) {
         if (!isWithin(values[i], range)) throw invalid(`${BAKE}/probes`, `probe ${Math.floor(i / size)} has ${what} that is not ${rangeText(range)}`);
 }
 
-/** In the file: of buffer views with meshopt compression the compressed ones. */
 function bytesOfProbes(json, probes = {}) {
-    const accessors = ['positions', 'radiance', ...OCCLUSION, 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'].map((name) => json.accessors?.[probes[name]]);
-    const views = new Set(accessors.map((accessor) => accessor?.bufferView).filter((view) => view !== undefined));
+    return bytesOfAccessors(json, ['positions', 'radiance', ...OCCLUSION, 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'].map((name) => probes[name]));
+}
+
+/** In the file: of buffer views with meshopt compression the compressed ones. */
+function bytesOfAccessors(json, indices) {
+    const views = new Set(indices.map((index) => json.accessors?.[index]?.bufferView).filter((view) => view !== undefined));
     const stored = (view) => (view.extensions?.EXT_meshopt_compression ?? view.extensions?.KHR_meshopt_compression ?? view).byteLength;
     return [...views].reduce((sum, index) => sum + stored(json.bufferViews[index]), 0);
 }

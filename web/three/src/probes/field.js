@@ -31,8 +31,11 @@ export function skyProbe(sky, channels = 4) {
 }
 
 export class ProbeField {
-    /** @param {import('../file/read.js').ProbeData | null} probes @param {any} sky @param {number} [channels] of all mask layers */
-    constructor(probes, sky, channels = 4) {
+    /**
+     * @param {import('../file/read.js').ProbeData | null} probes @param {any} sky @param {number} [channels] of all mask layers
+     * @param {import('../file/groups.js').GroupData[]} [groups] whose light `probes` lack
+     */
+    constructor(probes, sky, channels = 4, groups = []) {
         this.channels = channels;
         this.sky = skyProbe(sky, channels);
         this.probes = probes;
@@ -44,6 +47,16 @@ export class ProbeField {
         this.search = null;
         /** Whether the file has cells that fit its probes. */
         this.cellsOfFile = false;
+        this.groups = groups;
+        /** Light of the probes: of those that were needed since the weights changed, by `stamps`. */
+        this.radiance = probes?.radiance;
+        this.stamps = null;
+        this.version = 0;
+        if (groups.length > 0 && probes) {
+            this.radiance = probes.radiance.slice();
+            this.stamps = new Uint32Array(probes.count);
+        }
+        this.setWeights(groups.map(({ weight }) => weight), [1, 1, 1]);
         if (!probes) return;
         for (let i = 0; i < probes.count; ++i) if (probes.valid[i]) this.sources.push(i);
         if (this.sources.length > 0) this.build();
@@ -52,6 +65,32 @@ export class ProbeField {
     /** @returns {ProbeSample} to be written to */
     newSample() {
         return { radiance: new Float64Array(27), occlusion: new Float64Array(this.channels) };
+    }
+
+    /** @param {number[][]} weights of the groups @param {number[]} skyFactor of the sky where there are no probes */
+    setWeights(weights, skyFactor) {
+        this.skyFactor = skyFactor;
+        this.version += 1;
+        /** The groups that give light. */
+        this.shining = this.groups.flatMap(({ radiance }, g) => (Math.max(...weights[g]) > 0 ? [{ radiance, weight: weights[g] }] : []));
+    }
+
+    /** At least the largest coefficient of any probe at the weights. */
+    bound() {
+        const largest = (list) => list.reduce((most, x) => Math.max(most, Math.abs(x)), 0);
+        this.peaks ??= new Map([this.probes, ...this.groups].map((source) => [source.radiance, largest(source.radiance)]));
+        return this.shining.reduce((sum, { radiance, weight }) => sum + Math.max(...weight) * this.peaks.get(radiance), this.peaks.get(this.probes.radiance));
+    }
+
+    /** Adds the light of a probe up at the weights, where that was not done yet. */
+    compose(probe) {
+        if (this.stamps === null || this.stamps[probe] === this.version) return;
+        this.stamps[probe] = this.version;
+        for (let i = 27 * probe; i < 27 * probe + 27; ++i) {
+            let sum = this.probes.radiance[i];
+            for (const { radiance, weight } of this.shining) sum += weight[i % 3] * radiance[i];
+            this.radiance[i] = sum;
+        }
     }
 
     get empty() {
@@ -119,21 +158,29 @@ export class ProbeField {
      */
     sample(p, place = this.place, sum = this.newSample()) {
         if (this.empty) {
-            sum.radiance.set(this.sky.radiance);
+            sum.radiance.set(this.sky.radiance.map((x, i) => x * this.skyFactor[i % 3]));
             sum.occlusion.set(this.sky.occlusion);
-        } else {
-            const { radiance, occlusion } = this.probes;
-            const { channels } = this;
-            this.search.find(p, place);
-            const total = this.see(place);
-            sum.radiance.fill(0);
-            sum.occlusion.fill(0);
-            for (let k = 0; k < place.count; ++k) {
-                const w = place.weights[k] / total;
-                const probe = place.probes[k];
-                for (let i = 0; i < 27; ++i) sum.radiance[i] += w * radiance[27 * probe + i];
-                for (let c = 0; c < channels; ++c) sum.occlusion[c] += w * occlusion[channels * probe + c];
-            }
+            removeRinging(sum.radiance);
+            return sum;
+        }
+        this.search.find(p, place);
+        const total = this.see(place);
+        for (let k = 0; k < place.count; ++k) place.weights[k] /= total;
+        return this.mix(place.probes, place.weights, 0, place.count, sum);
+    }
+
+    /** Light of probes by their shares, from `first` on. @param {ArrayLike<number>} probes @param {ArrayLike<number>} weights @param {ProbeSample} sum to write to */
+    mix(probes, weights, first, count, sum) {
+        const { channels } = this;
+        const { occlusion } = this.probes;
+        sum.radiance.fill(0);
+        sum.occlusion.fill(0);
+        for (let k = first; k < first + count; ++k) {
+            const w = weights[k];
+            const probe = probes[k];
+            this.compose(probe);
+            for (let i = 0; i < 27; ++i) sum.radiance[i] += w * this.radiance[27 * probe + i];
+            for (let c = 0; c < channels; ++c) sum.occlusion[c] += w * occlusion[channels * probe + c];
         }
         removeRinging(sum.radiance); // after interpolation: the sum may ring less than each probe
         return sum;

@@ -12,11 +12,11 @@ export const MAIN_LIGHT = 4;
 export const OVERLAPS = 8;
 
 /** Relative change from which on a light counts as another than that of its bake. */
-const CHANGED = 1e-3;
+export const CHANGED = 1e-3;
 
 const unbaked = {
     castShadows: true, shadowStrength: 1, shadowBias: {}, isBaked: false, bakeType: 'realtime', channel: -1, reason: '',
-    worldFromLight: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], reach: 0, outerCone: Math.PI / 2,
+    worldFromLight: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], reach: 0, outerCone: Math.PI / 2, group: -1, white: [0, 0, 0],
 };
 
 /** Texels of a shadow map's side, as far as the application left three.js's default. */
@@ -61,6 +61,8 @@ export class BakedLight {
         const size = light.shadow?.mapSize;
         if (instance && size?.x === 512 && size.y === 512) size.setScalar(mapSize(light)); // three.js's default
         this.mapSize = size?.clone();
+        /** Its light group, whose weight its colour times intensity follows, or null. @type {any} */
+        this.group = original?.group ?? null;
         this.atLoad = this.bounce();
         const m = this.data.worldFromLight;
         this.bakedPosition = [m[12], m[13], m[14]];
@@ -162,21 +164,40 @@ export class BakedLight {
         return shifted || turned ? `light "${this.name}" moved since its bake: its baked shadows and bounced light stay behind` : null;
     }
 
+    /** Whether neither it nor a node above it in its file is hidden. */
+    isShown() {
+        for (let object = this.light; object && object !== this.instance?.object; object = object.parent) if (!object.visible) return false;
+        return true;
+    }
+
+    /** Colour times intensity, 0 where it is hidden. */
+    shining() {
+        const { color, intensity } = this.light;
+        const lit = this.isShown() ? intensity : 0;
+        return [lit * color.r, lit * color.g, lit * color.b];
+    }
+
+    /** Colour times intensity that its baked light fits. */
+    expected() {
+        return this.group ? this.data.white.map((x, c) => x * this.group.rgb[c]) : this.atLoad.slice(0, 3);
+    }
+
     /** What its bounced light was made of: power by channel, range and cone. */
     bounce() {
         const { light } = this;
-        const { r, g, b } = light.color;
-        const lit = light.visible ? light.intensity : 0;
-        return [lit * r, lit * g, lit * b, this.isArea ? light.range : (this.range ?? 0), light.angle ?? 0, light.penumbra ?? 0, light.width ?? 0, light.height ?? 0];
+        return [...this.shining(), this.isArea ? light.range : (this.range ?? 0), light.angle ?? 0, light.penumbra ?? 0, light.width ?? 0, light.height ?? 0];
     }
 
     /** A sentence where its bounced light, which is baked, is that of another light, else null. */
     changed() {
         if (!this.data.isBaked || this.data.bakeType === 'realtime') return null;
         const now = this.bounce();
-        const largest = Math.max(...this.atLoad.slice(0, 3));
-        const differs = now.some((x, i) => Math.abs(x - this.atLoad[i]) > CHANGED * (i < 3 ? largest : Math.max(Math.abs(this.atLoad[i]), 1)));
+        const then = [...this.expected(), ...this.atLoad.slice(3)];
+        const largest = Math.max(...then.slice(0, 3));
+        const differs = now.some((x, i) => Math.abs(x - then[i]) > CHANGED * (i < 3 ? largest : Math.max(Math.abs(then[i]), 1)));
         if (!differs) return null;
+        if (this.group && now.slice(3).every((x, i) => Math.abs(x - then[3 + i]) <= CHANGED * Math.max(Math.abs(x), 1)))
+            return `light "${this.name}" changed by itself: its baked light is that of all of light group "${this.group.data.name}"; change its lights by one factor, or use setLightGroup()`;
         const part = this.data.bakeType === 'baked' ? 'all its light' : 'its bounced light';
         return `light "${this.name}" changed since its bake: ${part} stays as it was baked; bake again for another`;
     }

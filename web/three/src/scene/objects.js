@@ -64,6 +64,8 @@ export class BakedObject {
         /** Where it is, whether its probe light is that of another place, and whether it is static and moved since its bake. */
         this.lit = null;
         this.isDark = true;
+        /** Version of the probes' light that it has. */
+        this.lightVersion = 0;
         this.strayed = false;
         /** Where its instances take their light, in bake space, and that light. */
         this.places = [];

@@ -1,6 +1,7 @@
 // A baked scene in three.js: what the application holds.
 import { Box3, Vector3 } from 'three';
 
+import { LightGroups } from '../groups/weights.js';
 import { ProbeField } from '../probes/field.js';
 import { makeLightProbeGrid } from '../probes/grid.js';
 import { checkFrame } from './checks.js';
@@ -57,7 +58,7 @@ export class HalflightScene {
         if (options.dynamicLayer !== undefined) checkNumber('dynamicLayer', options.dynamicLayer, ' of a layer', 0, 31);
         this.dynamicLayer = options.dynamicLayer ?? DYNAMIC_LAYER;
         for (const lost of data.lost) this.#warnings.keep(`the file has lost part of its bake: ${lost}; use the file that the bake wrote, or a tool that keeps its extensions`);
-        this.field = new ProbeField(data.probes, data.sky, 4 * data.maskLayers);
+        this.field = new ProbeField(data.probes, data.sky, 4 * data.maskLayers, data.groups);
         if (!this.field.empty && !this.field.cellsOfFile)
             this.#warnings.keep(`${data.probes.cells ? "the file's tetrahedra do not fit the positions of its probes" : 'the file has no tetrahedra between its probes'}: moving objects take the light of the nearest probe; bake the scene again`);
         this.table = new ObjectTable();
@@ -74,6 +75,7 @@ export class HalflightScene {
             this.members.originals.set(o.node, object);
             this.members.enter(object);
         }
+        this.groups = new LightGroups(this);
         const plan = planVolumes(this.objects, this.field);
         this.volumes = plan.length > 0 ? new ProxyVolumes(plan, this.field, this.table) : null;
         for (const v of this.volumes?.volumes ?? []) {
@@ -152,6 +154,24 @@ export class HalflightScene {
         this.#shadowColor = [...color].map((x) => checkNumber('shadowColor', x, ' of lux'));
     }
 
+    /** Light groups of the file, in its order: their names, weights by channel, and those that the file saves. */
+    get lightGroups() {
+        return this.groups.list.map(({ data, rgb }) => ({ name: data.name, weight: [...rgb], savedWeight: [...data.weight] }));
+    }
+
+    /**
+     * What the light of a group is multiplied by: baked and emitted light, probes, mixed lights, the sky.
+     * @param {string} name @param {number | number[] | import('three').Color} color linear, 0 for off
+     */
+    setLightGroup(name, color) {
+        this.groups.set(name, color);
+    }
+
+    /** Whether light still follows a change of weights: an application that draws on demand draws another frame. */
+    get isFollowing() {
+        return this.groups.isFollowing;
+    }
+
     /** @type {Set<string>} sentences about what is left out or shows in part, while it is so */
     get warnings() {
         return this.#warnings.sentences;
@@ -160,6 +180,11 @@ export class HalflightScene {
     /** A sentence about the frame. @param {string} sentence */
     say(sentence) {
         this.#warnings.say(sentence);
+    }
+
+    /** A sentence about the file. @param {string} sentence */
+    keep(sentence) {
+        this.#warnings.keep(sentence);
     }
 
     get debugView() {
@@ -257,8 +282,10 @@ export class HalflightScene {
         for (const instance of this.members.instances.values()) instance.update();
         const found = this.#find(top);
         this.shown = [...this.members.instances.values()].find(({ object }) => topOf(object) === top) ?? this.instance;
+        const view = cameraOf(renderer, camera);
+        this.groups.update(renderer, view);
         this.#updateProbes();
-        this.frameLights.update(renderer, cameraOf(renderer, camera), found);
+        this.frameLights.update(renderer, view, found);
         this.backend.update();
         checkFrame(this, found.lights);
         this.#warnings.end();
@@ -311,9 +338,11 @@ export class HalflightScene {
     #updateProbes() {
         for (const object of this.objects) {
             object.follow();
-            if (!object.isDark || (object.lightmapped && this.debugView !== 'probes')) continue; // only that view shows their probes
+            if (object.lightmapped && this.debugView !== 'probes') continue; // only that view shows their probes
+            if (!object.isDark && object.lightVersion === this.field.version) continue;
+            for (const v of this.volumes?.volumes ?? []) if (v.object === object && object.isDark) this.volumes.fill(v);
             object.isDark = false;
-            for (const v of this.volumes?.volumes ?? []) if (v.object === object) this.volumes.fill(v);
+            object.lightVersion = this.field.version;
             for (let i = 0; i < object.instances; ++i) object.sample(i, this.field, this.table);
         }
     }
@@ -327,6 +356,7 @@ export class HalflightScene {
         this.undoClone();
         for (const object of this.objects) object.detach();
         this.frameLights.dispose();
+        this.groups.dispose();
         this.backend?.dispose();
         this.backend = null;
         this.volumes?.dispose();

@@ -9,7 +9,7 @@ export function makeSky(uniforms) {
     const material = new ShaderMaterial({
         name: 'halflight sky',
         defines: uniforms.hlSkyPicture ? { HL_SKY_PICTURE: '' } : {},
-        uniforms: Object.fromEntries(Object.entries(uniforms).filter(([name]) => name === 'hlView' || /^hlSky(Picture|Turn|FromWorld)?$/.test(name))),
+        uniforms: Object.fromEntries(Object.entries(uniforms).filter(([name]) => name === 'hlView' || /^hlSky(Picture|Turn|FromWorld|Factor)?$/.test(name))),
         vertexShader: `
 varying vec3 vDirection;
 void main()

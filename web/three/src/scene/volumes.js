@@ -1,7 +1,9 @@
 // Proxy volumes: probe light resampled on a regular grid about an object. As ProxyVolume in
 // include/halflight/render/probes.h; all volumes share one 3D texture, whose depth holds eight slabs,
 // and one more for each mask layer beyond the first.
-import { Box3, ClampToEdgeWrapping, Data3DTexture, DataUtils, HalfFloatType, LinearFilter, Matrix4, RGBAFormat, Vector3 } from 'three';
+import { Box3, ClampToEdgeWrapping, Data3DTexture, DataUtils, Frustum, HalfFloatType, LinearFilter, Matrix4, RGBAFormat, Vector3 } from 'three';
+
+import { LIGHT_OF_SLABS, SLABS_OF_LIGHT, TEXELS_A_FRAME, VolumeLight } from './volume_light.js';
 
 /** @param {number} channels of all mask layers */
 export const slabsOf = (channels) => 7 + channels / 4;
@@ -126,14 +128,19 @@ export class ProxyVolumes {
         const box = group ? v.object.bakeBox() : v.object.box;
         const world = bakeFromUnitBox(box, group ? new Matrix4() : v.object.bakeFromObject(v.instance));
         const n = v.resolution;
+        const { field } = this;
         const samples = [];
         const place = new Vector3();
+        if (field.groups.length > 0) v.light ??= new VolumeLight(texelsOf(n));
         for (let z = 0; z < n[2]; ++z)
             for (let y = 0; y < n[1]; ++y)
                 for (let x = 0; x < n[0]; ++x) {
                     const at = [x, y, z].map((i, axis) => (n[axis] < 2 ? 0.5 : i / (n[axis] - 1)));
-                    samples.push(this.field.sample(place.fromArray(at).applyMatrix4(world).toArray()));
+                    samples.push(field.sample(place.fromArray(at).applyMatrix4(world).toArray()));
+                    v.light?.keep(samples.length - 1, field.place);
                 }
+        Object.assign(v, { world, version: field.version });
+        if (v.light) v.light.isRunning = false;
         const largest = samples.reduce((m, s) => s.radiance.reduce((k, x) => Math.max(k, Math.abs(x)), m), 0);
         const factor = largest > 0 ? 2 ** (Math.ceil(Math.log2(largest)) - 15) : 1;
         samples.forEach((sample, i) => this.store(v, i, sample, factor));
@@ -142,19 +149,55 @@ export class ProxyVolumes {
     }
 
     store(v, i, sample, factor) {
-        const [x, y] = v.resolution;
-        const at = [v.offset[0] + (i % x), v.offset[1] + (Math.floor(i / x) % y), v.offset[2] + Math.floor(i / (x * y))];
-        const r = sample.radiance;
-        const slabs = [0, 1, 2].map((c) => [r[c], r[3 + c], r[6 + c], r[9 + c]]);
         const attenuation = [...sample.occlusion].map((o) => o * factor);
-        slabs.push(attenuation.slice(0, 4));
-        for (let c = 0; c < 3; ++c) slabs.push([r[12 + c], r[15 + c], r[18 + c], r[21 + c]]);
-        slabs.push([r[24], r[25], r[26], 0]);
-        for (let c = 4; c < attenuation.length; c += 4) slabs.push(attenuation.slice(c, c + 4));
-        slabs.forEach((texel, slab) => {
-            const index = ((at[2] + slab * this.size[2]) * this.size[1] + at[1]) * this.size[0] + at[0];
-            for (let k = 0; k < 4; ++k) this.texture.image.data[4 * index + k] = DataUtils.toHalfFloat(texel[k] / factor);
-        });
+        const slabs = new Map(SLABS_OF_LIGHT.map((slab, k) => [slab, LIGHT_OF_SLABS.slice(4 * k, 4 * k + 4).map((n) => sample.radiance[n] ?? 0)]));
+        slabs.set(3, attenuation.slice(0, 4));
+        for (let c = 4; c < attenuation.length; c += 4) slabs.set(7 + c / 4, attenuation.slice(c, c + 4));
+        for (const [slab, texel] of slabs) {
+            const at = this.at(v, i, slab);
+            for (let k = 0; k < 4; ++k) this.texture.image.data[at + k] = DataUtils.toHalfFloat(texel[k] / factor);
+        }
+    }
+
+    /** Where texel i of a volume begins in a slab. */
+    at(v, i, slab) {
+        const [nx, ny] = v.resolution;
+        const [x, y, z] = [v.offset[0] + (i % nx), v.offset[1] + (Math.floor(i / nx) % ny), v.offset[2] + Math.floor(i / (nx * ny))];
+        return 4 * (((z + slab * this.size[2]) * this.size[1] + y) * this.size[0] + x);
+    }
+
+    /**
+     * Gives volumes the light of weights that changed since: some texels, those of volumes in view first.
+     * @param {any} camera @returns {boolean} whether all volumes have them
+     */
+    relight(camera) {
+        const { field } = this;
+        const stale = this.volumes.filter((v) => v.light && (v.version !== field.version || v.light.isRunning));
+        if (stale.length === 0) return true;
+        const frustum = new Frustum().setFromProjectionMatrix(new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
+        const isInView = ({ object }) => frustum.intersectsBox(object.bakeBox().applyMatrix4(object.instance.worldFromBake));
+        const seen = new Map(stale.map((v) => [v, Number(isInView(v))]));
+        stale.sort((a, b) => Number(b.light.isRunning) - Number(a.light.isRunning) || seen.get(b) - seen.get(a) || a.version - b.version);
+        let left = TEXELS_A_FRAME;
+        for (const v of stale) {
+            if (!v.light.isRunning) {
+                v.light.begin(field);
+                v.version = field.version;
+            }
+            left -= v.light.go(field, left);
+            if (!v.light.isRunning) this.commit(v);
+            if (left <= 0) break;
+        }
+        return stale.every((v) => v.version === field.version && !v.light.isRunning);
+    }
+
+    commit(v) {
+        const { halves, factor, texels } = v.light;
+        const [row] = v.resolution;
+        for (const [k, slab] of SLABS_OF_LIGHT.entries())
+            for (let i = 0; i < texels; i += row) this.texture.image.data.set(halves.subarray(4 * (k * texels + i), 4 * (k * texels + i + row)), this.at(v, i, slab));
+        this.texture.needsUpdate = true;
+        this.writeRow(v, v.world, factor);
     }
 
     writeRow(v, world, factor) {

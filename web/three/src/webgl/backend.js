@@ -1,12 +1,14 @@
 // The bake as WebGLRenderer draws it: textures, uniforms, patched materials.
 import { Matrix3, Vector2, Vector3, Vector4 } from 'three';
 
+import { makeComposer } from '../groups/composer.js';
 import { kLightDisk, kLightRectangle } from '../generated/shading.js';
 import { MODES, VIEWS } from '../scene/modes.js';
 import { makeSky } from '../scene/sky.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
 import { texturesOf } from '../scene/units.js';
+import { WebGLPageDraws } from './compose.js';
 import { MaterialPatches } from './patch.js';
 
 const NO_LIGHT = { flags: new Vector4(-1, 0, 0, 1), reach: new Vector4(), cone: new Vector4(0, 0, 0, -2), own: new Vector2(-1, 1) };
@@ -22,17 +24,19 @@ export class WebGLBackend {
         const { data, table, volumes } = scene;
         this.textures = [];
         const features = [];
-        const pages = (name, feature, list, kind) => {
+        /** Makes the pages of light groups. */
+        this.composer = makeComposer(data, WebGLPageDraws);
+        const pages = (name, feature, list, kind, composed) => {
             if (list.length === 0) return {};
             features.push(feature);
-            const texture = arrayTexture(list, FORMATS[kind]);
-            this.textures.push(texture);
+            const texture = composed ?? arrayTexture(list, FORMATS[kind]);
+            if (!composed) this.textures.push(texture);
             return { [name]: { value: texture } };
         };
         const sh = Array.from({ length: 9 }, (_, i) => scene.field.sky.radiance.subarray(3 * i, 3 * i + 3));
         this.uniforms = {
-            ...pages('hlLightmaps', 'HL_LIGHTMAPS', data.lightmaps, 'rgb9e5'),
-            ...pages('hlDirections', 'HL_DIRECTIONS', data.directions, 'rgba8'),
+            ...pages('hlLightmaps', 'HL_LIGHTMAPS', data.lightmaps, 'rgb9e5', this.composer?.lightmaps),
+            ...pages('hlDirections', 'HL_DIRECTIONS', data.directions, 'rgba8', this.composer?.directions),
             ...pages('hlMasks', 'HL_MASKS', data.masks, 'rgba8'),
             hlTable: { value: table.texture },
             hlPointLights: { value: [] },
@@ -44,6 +48,7 @@ export class WebGLBackend {
             hlUnitLux: { value: data.unitLux },
             hlShadowColor: { value: new Vector3(...data.shadowColor) },
             hlSky: { value: vectors(data.sky.zenith, data.sky.horizon, data.sky.ground) },
+            hlSkyFactor: { value: new Vector3(1, 1, 1) },
             hlSkySh: { value: vectors(...sh) },
             hlSkyFromWorld: { value: new Matrix3() },
             hlMaskRange: { value: data.maskChannels.map((c) => c.rangeTexels) },
@@ -123,8 +128,17 @@ export class WebGLBackend {
         return makeSky(this.uniforms);
     }
 
+    /** @param {any} renderer @returns {boolean} whether the pages have all weights */
+    compose(renderer) {
+        if (!this.composer) return true;
+        const isDone = this.composer.compose(renderer, this.scene.groups);
+        this.uniforms.hlUnitLux.value = this.composer.unitLux;
+        return isDone;
+    }
+
     update() {
         const { scene, uniforms } = this;
+        uniforms.hlSkyFactor.value.set(...scene.groups.skyFactor());
         uniforms.hlMode.value = MODES.indexOf(scene.mode);
         uniforms.hlView.value = VIEWS.indexOf(scene.debugView);
         uniforms.hlShadow.value.set(scene.shadowDistance, scene.shadowFadeRange);
@@ -135,6 +149,7 @@ export class WebGLBackend {
 
     dispose() {
         this.patches.dispose();
+        this.composer?.dispose();
         for (const texture of this.textures) texture.dispose();
     }
 }

@@ -2,11 +2,13 @@
 import { AmbientLight, BackSide, BoxGeometry, Color, DoubleSide, Mesh, MeshPhysicalNodeMaterial, MeshStandardNodeMaterial, NodeMaterial, Object3D, Matrix3, Vector2, Vector3, Vector4 } from 'three/webgpu';
 import { context, emissive, float, positionLocal, renderGroup, select, uniform, uniformArray, vec3, vec4 } from 'three/tsl';
 
+import { makeComposer } from '../groups/composer.js';
 import { kLightDisk, kLightRectangle } from '../generated/shading.js';
 import { MODES, VIEWS } from '../scene/modes.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
 import { texturesOf } from '../scene/units.js';
+import { WebGPUPageDraws } from './compose.js';
 import { mirroredNormal, SceneNodes, skyNodes } from './nodes.js';
 
 const HOOKS = ['setupLightingModel', 'setupNormal', 'setupOutput', 'contextNode', 'halflight', 'shadowSide'];
@@ -48,7 +50,10 @@ export class WebGPUBackend {
         const { data, table, volumes } = scene;
         const pages = (list, kind) => (list.length > 0 ? arrayTexture(list, FORMATS[kind]) : null);
         const colors = (list) => uniformArray(list.map((c) => new Vector3(c[0], c[1], c[2])), 'vec3');
-        this.textures = { lightmaps: pages(data.lightmaps, 'rgb9e5'), directions: pages(data.directions, 'rgba8'), masks: pages(data.masks, 'rgba8'), skyPicture: data.sky.picture ? skyTexture(data.sky.picture.pixels) : null };
+        /** Makes the pages of light groups. */
+        this.composer = makeComposer(data, WebGPUPageDraws);
+        const composed = this.composer ?? { lightmaps: pages(data.lightmaps, 'rgb9e5'), directions: pages(data.directions, 'rgba8') };
+        this.textures = { lightmaps: composed.lightmaps, directions: composed.directions, masks: pages(data.masks, 'rgba8'), skyPicture: data.sky.picture ? skyTexture(data.sky.picture.pixels) : null };
         const channels = (key) => Array.from({ length: data.maskLayers }, (_, k) => shared(new Vector4(...data.maskChannels.slice(4 * k, 4 * k + 4).map((c) => c[key]))));
         this.u = {
             ...this.textures,
@@ -63,6 +68,7 @@ export class WebGPUBackend {
             shadowColor: shared(new Vector3()),
             sky: colors([data.sky.zenith, data.sky.horizon, data.sky.ground]),
             skySh: colors(Array.from({ length: 9 }, (_, i) => scene.field.sky.radiance.subarray(3 * i, 3 * i + 3))),
+            skyFactor: shared(new Vector3(1, 1, 1)),
             skyTurn: shared(new Vector4(...(data.sky.picture ? skyTurn(data.sky.picture) : [1, 0, 0, 0]))),
             skyFromWorld: shared(new Matrix3()),
             maskLayers: data.maskLayers,
@@ -222,8 +228,17 @@ export class WebGPUBackend {
         }
     }
 
+    /** @param {any} renderer @returns {boolean} whether the pages have all weights */
+    compose(renderer) {
+        if (!this.composer) return true;
+        const isDone = this.composer.compose(renderer, this.scene.groups);
+        this.u.unitLux.value = this.composer.unitLux;
+        return isDone;
+    }
+
     update() {
         const { scene, u } = this;
+        u.skyFactor.value.set(...scene.groups.skyFactor());
         if (u.table !== scene.table.texture) {
             u.table = scene.table.texture; // it grew; programs hold the one before
             this.recompile();
@@ -253,6 +268,7 @@ export class WebGPUBackend {
     dispose() {
         for (const material of [...this.patched.keys()]) this.unpatch(material);
         this.noLight.removeFromParent();
+        this.composer?.dispose();
         for (const texture of Object.values(this.textures)) texture?.dispose();
     }
 }

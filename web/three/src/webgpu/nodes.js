@@ -141,7 +141,7 @@ export class SceneNodes {
     skyIrradiance(n) {
         let sum = vec3(0);
         for (let i = 0; i < 9; ++i) sum = sum.add(this.u.skySh.element(i).mul(hl.hlShIrradianceWeight(int(i), n)));
-        return sum.max(0);
+        return sum.max(0).mul(this.u.skyFactor);
     }
 
     /** B of a light, within the reach that it had at its bake. @param {any} light uniforms of one light */
@@ -309,9 +309,9 @@ export class SceneNodes {
 
 /** Radiance of the sky from a unit direction, in a mirror of this roughness. @param {any} d @param {any} roughness */
 function skyTowards(u, d, roughness) {
-    if (!u.skyPicture) return hl.hlSkyRadiance(u.sky.element(0), u.sky.element(1), u.sky.element(2), d);
+    if (!u.skyPicture) return hl.hlSkyRadiance(u.sky.element(0), u.sky.element(1), u.sky.element(2), d).mul(u.skyFactor);
     const level = hl.hlSkyPictureLevel(roughness, u.skyTurn.z);
-    return texture(u.skyPicture, hl.hlSkyPictureUv(d, u.skyTurn.xy)).level(level).rgb.mul(u.skyTurn.w);
+    return texture(u.skyPicture, hl.hlSkyPictureUv(d, u.skyTurn.xy)).level(level).rgb.mul(u.skyTurn.w).mul(u.skyFactor);
 }
 
 /** Nodes of the sky: where a box around the camera is drawn, and its colour. No fragmentNode: with that three.js writes the first of a pass's outputs alone. */
