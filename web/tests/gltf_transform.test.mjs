@@ -41,7 +41,7 @@ function groupsOf(path) {
     const { groups, sky } = json.extensions.HALFLIGHT_mixed_lighting;
     const members = (list, extension) => list.filter(({ extensions }) => extensions?.[extension]?.baking?.group !== undefined).map(({ name, extensions }) => ({ name, ...extensions[extension].baking }));
     return {
-        groups: groups.map(({ lightmaps, lightmapDirections, radiance, ...rest }) => ({ ...rest, lightmaps: lightmaps.map(picture), directions: lightmapDirections?.map(picture), radiance: numbers(radiance) })),
+        groups: groups.map(({ lightmaps, lightmapDirections, radiance, reflections, ...rest }) => ({ ...rest, lightmaps: lightmaps.map(picture), reflections: { ...reflections, picture: picture(reflections.picture) }, directions: lightmapDirections?.map(picture), radiance: numbers(radiance) })),
         sky: sky.group,
         lights: members(json.nodes, 'HALFLIGHT_light'),
         materials: members(json.materials, 'HALFLIGHT_material').sort((a, b) => a.group - b.group),
@@ -51,10 +51,12 @@ function groupsOf(path) {
 test('gltf-transform S33: a file with light groups comes back with them', async () => {
     const baked = join(folder, 'baked.glb');
     const copy = join(folder, 'copy.glb');
-    const options = ['--quality', 'preview', '--samples', '16', '--texels-per-meter', '5', '--lightmap-size', '64', '--directional', 'on', '--probe-layout', 'grid', '--probe-spacing', '1', '--reflection-probes', 'off', '-q'];
+    const options = ['--quality', 'preview', '--samples', '16', '--texels-per-meter', '5', '--lightmap-size', '64', '--directional', 'on', '--probe-layout', 'grid', '--probe-spacing', '1', '--reflection-probes', 'on', '-q'];
     halflight('bake', join(repository, 'assets/tests/light_groups.glb'), '-o', baked, ...options);
     const file = readGlb(baked);
-    file.json.extensions.HALFLIGHT_mixed_lighting.groups[0].lightmaps[0] = {}; // a page without light
+    const [first] = file.json.extensions.HALFLIGHT_mixed_lighting.groups;
+    first.lightmaps[0] = {}; // a page without light
+    first.shadowColor = [0.25, 0.5, 1];
     writeGlb(baked, file);
     await io().write(copy, await io().read(baked));
     const before = groupsOf(baked);
@@ -62,6 +64,7 @@ test('gltf-transform S33: a file with light groups comes back with them', async 
     assert.ok(before.groups.some(({ lightmaps }) => lightmaps.includes(null)), 'a page without light');
     assert.ok(before.groups.some(({ directions }) => directions?.some(Boolean)), 'directions');
     assert.ok(before.lights.length === 2 && before.materials.length === 2 && before.sky === 'day', JSON.stringify([before.lights, before.materials, before.sky]));
+    assert.ok(before.groups.every(({ reflections }) => reflections.size === 64 && reflections.picture.mimeType === 'image/ktx2'), 'pictures of reflections');
     assert.deepEqual(groupsOf(copy), before);
     const { groups, warnings } = JSON.parse(halflight('info', '--json', copy));
     assert.equal(groups.length, 5);

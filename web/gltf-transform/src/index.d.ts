@@ -2,9 +2,10 @@ import type { Accessor, Document, Extension, ExtensionProperty, ReaderContext, T
 
 /**
  * Keys of pictures: "lightmaps/0", "lightmapDirections/0", "shadowmasks/0" and so on, one per page, "sky" and "reflectionProbes".
- * Those of light groups begin with the group: "groups/0/lightmaps/0", "groups/0/lightmapDirections/0".
+ * Those of light groups begin with the group: "groups/0/lightmaps/0", "groups/0/lightmapDirections/0",
+ * "groups/0/reflections".
  */
-export type PictureKey = `${'lightmaps' | 'lightmapDirections' | 'shadowmasks'}/${number}` | `groups/${number}/${'lightmaps' | 'lightmapDirections'}/${number}` | 'sky' | 'reflectionProbes';
+export type PictureKey = `${'lightmaps' | 'lightmapDirections' | 'shadowmasks'}/${number}` | `groups/${number}/${'lightmaps' | 'lightmapDirections'}/${number}` | `groups/${number}/reflections` | 'sky' | 'reflectionProbes';
 export type ProbeAccessor = 'positions' | 'radiance' | 'occlusion' | 'valid' | 'tetrahedra' | 'neighbors' | `groups/${number}/radiance`;
 
 declare abstract class RecordProperty extends ExtensionProperty {

@@ -60,6 +60,9 @@ export class HalflightMixedLighting extends Extension {
         (record.groups ?? []).forEach((group, g) => {
             if (group.radiance !== undefined) lighting.setProbeAccessor(`groups/${g}/radiance`, context.accessors[group.radiance]);
             delete group.radiance;
+            if (!group.reflections) return;
+            keep(groupReflections(g), group.reflections.picture);
+            delete group.reflections.picture.index;
         });
         if (record.sky?.picture) {
             keep(SKY_PICTURE, record.sky.picture);
@@ -97,6 +100,7 @@ export class HalflightMixedLighting extends Extension {
         (record.groups ?? []).forEach((group, g) => {
             const accessor = lighting.getProbeAccessor(`groups/${g}/radiance`);
             if (accessor) group.radiance = context.accessorIndexMap.get(accessor);
+            if (group.reflections) group.reflections.picture.index = writeTexture(context, lighting.getPicture(groupReflections(g)), lighting.getPlaceholder());
         });
         if (record.sky?.picture) {
             const sky = lighting.getPicture(SKY_PICTURE);
@@ -114,6 +118,9 @@ export class HalflightMixedLighting extends Extension {
         return this;
     }
 }
+
+/** Key of the picture of reflection probes that a light group has. @param {number} g its index */
+const groupReflections = (g) => `groups/${g}/reflections`;
 
 /** Records that list pictures by page, which lists they have, and the beginning of the pictures' keys. */
 function recordsWithPages(record) {

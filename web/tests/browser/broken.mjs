@@ -130,7 +130,7 @@ const GROUP_FAULTS = [
     ['a group without pages', first((g) => { delete g.lightmaps; }), `${BAKE}/groups/0: has 0 lightmaps beside the bake's`],
     ['a page that is not there', first((g) => { g.lightmaps[0] = { index: 999 }; }), `${BAKE}/groups/0/lightmaps/0: refers to a texture`],
     ['a page cut short', directed((g, f) => { f.picture(g.lightmaps.find((page) => page.index !== undefined)).byteLength = 100; }), /groups\/\d\/lightmaps\/\d: the KTX2 image is not readable/],
-    ['a page of another size', first((g, f) => { g.lightmaps[0] = f.bake.reflectionProbes.picture; }), `${BAKE}/groups/0: has a page 0 of another size than the bake's own`],
+    ['a page of another size', directed((g, f) => { g.lightmaps[0] = f.bake.reflectionProbes.picture; }), /groups\/\d: has a page 0 of another size than the bake's own/],
     ['directions of fewer pages', directed((g) => g.lightmapDirections.pop()), /groups\/\d: has \d lightmapDirections for \d lightmaps/],
     ['directions that the bake lacks', (f) => { delete f.bake.lightmapDirections; }, /groups\/\d: has directions, which the bake's own lightmap lacks/],
     ['radiance gone', first((g) => { delete g.radiance; }), `${BAKE}/groups/0: radiance refers to an accessor`],
@@ -138,6 +138,14 @@ const GROUP_FAULTS = [
     ['radiance of another type', first((g, f) => { f.json.accessors[g.radiance].type = 'VEC2'; }), /^\/accessors\/\d+: has 2 components/],
     ['radiance that is not finite', first((g, f) => f.buffer.writeFloatLE(NaN, f.floatsOf(g.radiance) + 4 * 7)), /^\/accessors\/\d+: element 2 holds/],
     ['radiance beyond light', first((g, f) => f.buffer.writeFloatLE(1e38, f.floatsOf(g.radiance) + 4 * 7)), `${BAKE}/groups/0: has radiance that is not`],
+    ['a colour of shadows below 0', first((g) => { g.shadowColor = [0, -1, 0]; }), `${BAKE}/groups/0/shadowColor/1: is -1`],
+    ['reflections of unit 0', first((g) => { g.reflections.unitNits = 0; }), `${BAKE}/groups/0/reflections/unitNits: is 0`],
+    ['reflections without a unit', first((g) => { delete g.reflections.unitNits; }), `${BAKE}/groups/0/reflections: unitNits is not`],
+    ['reflections too narrow', first((g) => { g.reflections.size = 16; }), `${BAKE}/groups/0/reflections/size: is 16`],
+    ['reflections of an odd width', first((g) => { g.reflections.size = 40; }), `${BAKE}/groups/0/reflections: size is not a multiple of 16`],
+    ['reflections of another size', first((g) => { g.reflections.size = 32; }), `${BAKE}/groups/0/reflections/picture: is 64 x`],
+    ['reflections without a picture', first((g) => { delete g.reflections.picture; }), `${BAKE}/groups/0/reflections/picture: refers to a texture`],
+    ['reflections cut short', first((g, f) => { f.picture(g.reflections.picture).byteLength = 100; }), `${BAKE}/groups/0/reflections/picture: the KTX2 image is not readable`],
     ['groups gone', (f) => { delete f.bake.groups; }, `${LOST}its groups`],
 ];
 

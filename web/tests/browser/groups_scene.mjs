@@ -50,5 +50,26 @@ export const setGroups = (page, state) =>
         const { halflight } = loaded;
         for (const { name, savedWeight } of halflight.lightGroups) halflight.setLightGroup(name, weights[name] ?? savedWeight);
         const renderer = await makeRenderer(32, 18);
-        for (let i = 0; i < 4; ++i) halflight.update(renderer, viewOf('main', 16 / 9));
+        const frame = () => halflight.update(renderer, viewOf('main', 16 / 9));
+        for (frame(); halflight.isFollowing; ) frame();
     }, state);
+
+/** Bakes a test scene after a change of its document. @param {(json: any) => void} change @returns {string} name of the baked file */
+export function bakeChanged(name, scene, change, ...options) {
+    if (studio.baked.has(name)) return name;
+    const file = readGlb(join(repository, `assets/tests/${scene}.glb`));
+    change(file.json);
+    writeGlb(studio.pathOf(`${name}-source`), file);
+    halflight('bake', studio.pathOf(`${name}-source`), '-o', studio.pathOf(name), '--quality', 'preview', '-q', ...options);
+    studio.baked.add(name);
+    return name;
+}
+
+/** The rooms of metal under a sky that changes: reflection probes have most of their light. */
+export const bakeMetal = () =>
+    bakeChanged('metal-under-a-sky', 'light_groups', ({ scenes, materials }) => {
+        const { extras } = scenes[0];
+        delete extras.halflight_sky_group;
+        extras.halflight_sky_changes = 1;
+        for (const material of materials) Object.assign((material.pbrMetallicRoughness ??= {}), { metallicFactor: 1, roughnessFactor: 0.3 });
+    }, '--directional', 'on', '--texels-per-meter', '5', '--probe-spacing', '1.3', '--samples', '16', '--reflection-probes', 'on');

@@ -47,6 +47,17 @@ export interface GroupData {
     directions: (Pixels | null)[];
     /** Nine RGB coefficients for each probe. */
     radiance: Float32Array;
+    /** Lower limit of subtractive shadows, lux. */
+    shadowColor: number[];
+    /** Null where the bake's picture has the group at its saved weight. */
+    reflections: ReflectionPicture | null;
+}
+
+/** Reflection probes' tiles of a width, RGB9E5 with a unit in cd/m2, one below the other. */
+export interface ReflectionPicture {
+    picture: Pixels;
+    unitNits: number;
+    size: number;
 }
 
 export interface ProbeData {
@@ -77,8 +88,9 @@ export interface BakedData {
     probes: ProbeData | null;
     /** cd/m2. The picture, where there is one, is RGB9E5 with a unit, turned about +Y; the colours are the gradient nearest to it. */
     sky: { zenith: number[]; horizon: number[]; ground: number[]; picture?: { pixels: Pixels; unitNits: number; rotation: number } };
-    /** The probes' tiles, RGB9E5 with a unit, one below the other; world space. */
-    reflections: { picture: Pixels; unitNits: number; size: number; probes: { position: number[]; box: number[]; fade: number }[] } | null;
+    /** World space. */
+    reflections: (ReflectionPicture & { probes: { position: number[]; box: number[]; fade: number }[] }) | null;
+    /** Lower limit of subtractive shadows, lux; of the rest where groups have their own. */
     shadowColor: number[];
     /** Light groups, whose light lightmaps, directions and probes lack. */
     groups: GroupData[];
@@ -103,3 +115,5 @@ export function isBaked(json: unknown): boolean;
 export function readBaked(source: Source): Promise<BakedData>;
 /** Pages of a state of a bake with light groups: weights by channel in the groups' order, the saved ones where absent. */
 export function composeLight(data: BakedData, weights?: number[][]): { unitLux: number; lightmaps: Pixels[]; directions: Pixels[] };
+/** The reflection probes' picture of such a state; null where the file has none. */
+export function composeReflections(data: BakedData, weights?: number[][]): ReflectionPicture | null;

@@ -157,6 +157,7 @@ function checkGroup(json, root, group, path) {
     if (lightmapDirections.length > 0 && !(root.lightmapDirections?.length > 0)) throw invalid(path, "has directions, which the bake's own lightmap lacks");
     const probes = root.probes?.count ?? 0;
     if (probes > 0 || group.radiance !== undefined) checkAccessor(json, group, 'radiance', path, 'VEC3', 9 * probes);
+    if (group.reflections) checkReflectionPicture(json, group.reflections, `${path}/reflections`);
 }
 
 function checkPictures(json, root) {
@@ -186,8 +187,7 @@ function checkPicture(json, entry, path) {
 function checkReflections(json, reflections) {
     if (!reflections) return;
     const path = `${BAKE}/reflectionProbes`;
-    if (!(reflections.unitNits > 0)) throw invalid(path, 'unitNits is not a number above 0');
-    if (!(reflections.size % 16 === 0)) throw invalid(path, 'size is not a multiple of 16 from 32 to 1024');
+    checkReflectionPicture(json, reflections, path);
     const { probes } = reflections;
     if (!probes || probes.length < 1 || probes.length > MOST_REFLECTIONS) throw invalid(path, `probes is not a list of 1 to ${MOST_REFLECTIONS}`);
     probes.forEach(({ position, box, fade }, i) => {
@@ -196,8 +196,14 @@ function checkReflections(json, reflections) {
         if (!box || !(thickness(box) > 2e-7)) throw invalid(own, 'box is not a transform of 16 numbers with an inverse, or thinner than 2e-7 m');
         if (!(fade > 0)) throw invalid(own, 'fade is not a number above 0');
     });
-    if (!reflections.picture) throw invalid(`${path}/picture`, 'refers to a texture that does not exist');
-    checkPicture(json, reflections.picture, `${path}/picture`);
+}
+
+/** The probes' picture, or that of a light group. */
+function checkReflectionPicture(json, { picture, unitNits, size }, path) {
+    if (!(unitNits > 0)) throw invalid(path, 'unitNits is not a number above 0');
+    if (!(size % 16 === 0)) throw invalid(path, 'size is not a multiple of 16 from 32 to 1024');
+    if (!picture) throw invalid(`${path}/picture`, 'refers to a texture that does not exist');
+    checkPicture(json, picture, `${path}/picture`);
 }
 
 /** Least distance of opposite faces of the box that a matrix makes of [-1, 1]^3; 0 without an inverse. @param {number[]} m */

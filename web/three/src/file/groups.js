@@ -13,31 +13,35 @@ const GROUPS = '/extensions/HALFLIGHT_mixed_lighting/groups';
  * @property {number[]} weight that the file saves, by channel
  * @property {number} peak lux of the brightest channel of a texel
  * @property {boolean} sky whether the sky is a member
+ * @property {number[]} shadowColor lower limit of subtractive shadows, lux
  * @property {number} unitLux
  * @property {(Pixels | null)[]} lightmaps RGB9E5; null is a page without light
  * @property {(Pixels | null)[]} directions RGBA8; none where no page has them
  * @property {Float32Array} radiance nine RGB coefficients for each probe
+ * @property {import('./read.js').ReflectionPicture | null} reflections null where the bake's picture has the group at its saved weight
  */
 
 /**
  * @param {any} root extension of the file, checked
  * @param {{lightmaps: (record: any, path: string, part: string) => Promise<(Pixels | null)[]>,
- *     directions: (record: any, path: string) => Promise<(Pixels | null)[]>, floats: (index: number) => Promise<Float32Array>}} read
+ *     directions: (record: any, path: string) => Promise<(Pixels | null)[]>, floats: (index: number) => Promise<Float32Array>,
+ *     reflections: (record: any, path: string, part: string) => Promise<import('./read.js').ReflectionPicture | null>}} read
  * @param {{width: number, height: number}[]} pages of the bake's own lightmap
  * @returns {Promise<GroupData[]>}
  */
 export async function readGroups(root, read, pages) {
     return Promise.all(
         (root.groups ?? []).map(async (record, g) => {
-            const [lightmaps, directions, radiance] = await Promise.all([
+            const [lightmaps, directions, radiance, reflections] = await Promise.all([
                 read.lightmaps(record, `groups/${g}/`, 'groups'),
                 read.directions(record, `groups/${g}/`),
                 record.radiance === undefined ? new Float32Array(0) : read.floats(record.radiance),
+                read.reflections(record.reflections, `groups/${g}/reflections`, 'groups'),
             ]);
             for (const list of [lightmaps, directions]) checkSizes(list, pages, `${GROUPS}/${g}`);
             checkRadiance(radiance, `${GROUPS}/${g}`);
-            const { name, weight, peak = 0, sky = false, lightmapUnitLux: unitLux = 1 } = record;
-            return { name, weight, peak, sky, unitLux, lightmaps, directions, radiance };
+            const { name, weight, peak = 0, sky = false, shadowColor = [0, 0, 0], lightmapUnitLux: unitLux = 1 } = record;
+            return { name, weight, peak, sky, shadowColor, unitLux, lightmaps, directions, radiance, reflections };
         })
     );
 }

@@ -28,13 +28,9 @@ const MATERIAL = 'HALFLIGHT_material';
 
 /** @typedef {{pixels: Pixels, unitNits: number, rotation: number}} SkyPicture RGB9E5; a texel of 1 is unitNits cd/m2; radians about +Y */
 
-/**
- * @typedef {object} ReflectionData
- * @property {Pixels} picture RGB9E5: the probes' tiles, one below the other
- * @property {number} unitNits cd/m2 of a texel of 1
- * @property {number} size width of a tile in texels
- * @property {{position: number[], box: number[], fade: number}[]} probes world; box: from the cube [-1, 1]^3
- */
+/** @typedef {{picture: Pixels, unitNits: number, size: number}} ReflectionPicture RGB9E5: probes' tiles of a width, one below the other; a texel of 1 is unitNits cd/m2 */
+
+/** @typedef {ReflectionPicture & {probes: {position: number[], box: number[], fade: number}[]}} ReflectionData world; box: from the cube [-1, 1]^3 */
 
 /**
  * @typedef {object} NodeData
@@ -87,7 +83,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {ProbeData | null} probes
  * @property {ReflectionData | null} reflections
  * @property {{zenith: number[], horizon: number[], ground: number[], picture?: SkyPicture}} sky
- * @property {number[]} shadowColor
+ * @property {number[]} shadowColor lower limit of subtractive shadows, lux; of the rest where groups have their own
  * @property {import('./groups.js').GroupData[]} groups whose light lightmaps, directions and probes lack
  * @property {string[]} lost what a tool dropped of the bake
  * @property {Map<number, NodeData>} nodes
@@ -97,6 +93,7 @@ const MATERIAL = 'HALFLIGHT_material';
  */
 
 export { composeLight } from '../groups/pages.js';
+export { composeReflections } from '../groups/reflections.js';
 
 /** Members of the probes' record: attenuation by mask layer. */
 const OCCLUSION = ['occlusion', 'occlusion1', 'occlusion2', 'occlusion3'];
@@ -124,20 +121,21 @@ export async function readBaked(source) {
     };
     const pages = (list, member, part, decode) => Promise.all((list ?? []).map((entry, page) => (entry.index === undefined ? null : decoded(entry, `${member}/${page}`, part, decode))));
     const light = ({ lightmaps, lightmapEncoding: curve }, path, part) => pages(lightmaps, `${path}lightmaps`, part, (data, mimeType) => (curve ? readByCurve(data, mimeType, curve) : readRgb9e5(data)));
+    const reflectionsOf = async (record, path, part) => record ? reflectionPicture(record, root.reflectionProbes?.probes.length ?? 0, await decoded(record.picture, `${path}/picture`, part, readRgb9e5), path) : null;
     const maskLayers = root.shadowmaskLayers ?? 1;
     const { picture, ...sky } = root.sky ?? { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
-    const [lightmaps, directions, masks, skyPixels, reflectionPixels, probes] = await Promise.all([
+    const [lightmaps, directions, masks, skyPixels, reflections, probes] = await Promise.all([
         light(root, '', 'lightmaps'),
         pages(root.lightmapDirections, 'lightmapDirections', 'directions', decodeImage),
         pages(root.shadowmasks, 'shadowmasks', 'masks', decodeImage),
         picture && decoded(picture, 'sky/picture', 'sky', readRgb9e5),
-        root.reflectionProbes && decoded(root.reflectionProbes.picture, 'reflectionProbes/picture', 'reflections', readRgb9e5),
+        reflectionsOf(root.reflectionProbes, 'reflectionProbes', 'reflections'),
         readProbes(source, root, maskLayers),
     ]);
     bytes.probes = bytesOfProbes(source.json, root.probes);
     checkPages(lightmaps, directions, masks.filter(Boolean), maskLayers > 1);
     const directionsOf = (record, path) => pages(record.lightmapDirections, `${path}lightmapDirections`, 'groups', decodeImage);
-    const groups = await readGroups(root, { lightmaps: light, directions: directionsOf, floats: (index) => floatsOf(source, index) }, lightmaps);
+    const groups = await readGroups(root, { lightmaps: light, directions: directionsOf, floats: (index) => floatsOf(source, index), reflections: reflectionsOf }, lightmaps);
     bytes.groups += bytesOfAccessors(source.json, (root.groups ?? []).map((group) => group.radiance));
     return {
         version: root.version,
@@ -149,11 +147,11 @@ export async function readBaked(source) {
         masks,
         maskChannels: readChannels(root.shadowmaskChannels, 4 * maskLayers),
         probes,
-        reflections: reflectionPixels ? reflectionData(root, reflectionPixels) : null,
+        reflections: reflections && { ...reflections, probes: reflectionPlaces(root) },
         sky: picture ? { ...sky, picture: { pixels: skyPixels, unitNits: picture.unitNits, rotation: picture.rotation } } : sky,
         shadowColor: root.subtractiveShadowColor ?? [0, 0, 0],
         nodes: collect(source.json.nodes, NODE, (e, node) => nodeData(e, hasSet(source.json, node, e.lightmap?.texCoord ?? 1))),
-        groups,
+        groups: root.shadowColorFromBake === true ? groups : groups.map((group) => ({ ...group, shadowColor: [0, 0, 0] })), // the author's stays
         lost: lossesOf(source.json),
         lights: collect(source.json.nodes, LIGHT, (e) => ({ ...lightData(e), ...membershipOf(e.baking, root) })),
         materials: collect(source.json.materials, MATERIAL, (e) => ({
@@ -165,14 +163,17 @@ export async function readBaked(source) {
     };
 }
 
-function reflectionData({ reflectionProbes, origin = [0, 0, 0] }, picture) {
-    const { unitNits, size, probes } = reflectionProbes;
-    const height = probes.length * reflectionTileHeight(size);
+function reflectionPicture({ unitNits, size }, probes, picture, path) {
+    const height = probes * reflectionTileHeight(size);
     if (picture.width !== size || picture.height !== height)
-        throw invalid(`${BAKE}/reflectionProbes/picture`, `is ${picture.width} x ${picture.height} texels, not ${size} x ${height}, as its probes' tiles`);
+        throw invalid(`${BAKE}/${path}/picture`, `is ${picture.width} x ${picture.height} texels, not ${size} x ${height}, as its probes' tiles`);
+    return { picture, unitNits, size };
+}
+
+/** Where reflection probes are, in the world. */
+function reflectionPlaces({ reflectionProbes, origin = [0, 0, 0] }) {
     const moved = (p) => p.map((x, axis) => x + origin[axis]);
-    const world = probes.map(({ position, box, fade }) => ({ position: moved(position), box: [...box.slice(0, 12), ...moved(box.slice(12, 15)), 1], fade }));
-    return { picture, unitNits, size, probes: world };
+    return reflectionProbes.probes.map(({ position, box, fade }) => ({ position: moved(position), box: [...box.slice(0, 12), ...moved(box.slice(12, 15)), 1], fade }));
 }
 
 /** The image of a page's texture. */

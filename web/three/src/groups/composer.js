@@ -2,10 +2,11 @@
 // where the browser draws into no half floats. Frames in which no weight changes do nothing.
 import { hasFloatTargets } from '../file/images.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
+import { Pieces } from './pieces.js';
 import { composeLight, composing, sourcesOf, unitOf, weightsOf } from './pages.js';
 
 /** Texels that the processor adds up in a frame: of five sources with directions about 5 ms of one core of a server. */
-const TEXELS_A_FRAME = 16384;
+export const TEXELS_A_FRAME = 16384;
 
 /** @param {import('../file/read.js').BakedData} data @param {any} Draws of a renderer; null where there is nothing to add up */
 export function makeComposer(data, Draws) {
@@ -48,26 +49,20 @@ class ProcessorPages {
         this.lightmaps = arrayTexture(lightmaps, FORMATS.rgb9e5);
         this.directions = directions.length > 0 ? arrayTexture(directions, FORMATS.rgba8) : null;
         this.unitLux = unitLux;
-        this.version = 0;
-        this.steps = null;
+        this.pieces = null;
     }
 
     /** @param {any} _renderer @param {import('./weights.js').LightGroups} groups @returns {boolean} whether the pages have all weights */
     compose(_renderer, groups) {
-        if (!this.steps) {
-            if (this.version === groups.version) return true;
-            this.version = groups.version;
-            this.steps = composing(this.data, groups.weights(), TEXELS_A_FRAME);
-        }
-        const { done, value } = this.steps.next();
-        if (!done) return false;
-        this.steps = null;
+        this.pieces ??= new Pieces(() => composing(this.data, groups.weights(), TEXELS_A_FRAME));
+        const value = this.pieces.next(groups.version);
+        if (!value) return this.pieces.has(groups.version);
         this.unitLux = value.unitLux;
         for (const [texture, pages] of [[this.lightmaps, value.lightmaps], [this.directions, value.directions]]) {
             pages.forEach(({ data }, i) => texture.image.data.set(data, i * data.length));
             if (texture) texture.needsUpdate = true;
         }
-        return this.version === groups.version;
+        return this.pieces.has(groups.version);
     }
 
     dispose() {

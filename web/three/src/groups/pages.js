@@ -26,7 +26,7 @@ export function sourcesOf({ unitLux, lightmaps, directions, groups }) {
 export const weightsOf = (weights) => [[1, 1, 1], ...weights];
 
 /** The largest channel of RGB9E5 pages. */
-function peakOf(pages) {
+export function peakOf(pages) {
     let peak = 0;
     for (const { data } of pages.filter(Boolean))
         for (const texel of data) {
@@ -65,7 +65,7 @@ export function planDraws(sources, kind) {
 }
 
 /** By exponent of an RGB9E5 texel: what a step of its mantissae stands for. */
-const STEPS = Float64Array.from({ length: 32 }, (_, exponent) => 2 ** (exponent - 24));
+export const STEPS = Float64Array.from({ length: 32 }, (_, exponent) => 2 ** (exponent - 24));
 
 /** Adds texels of a source's page, from `begin` to `end`, to sums of three numbers a texel. */
 function addTexels({ lightmaps, directions, unitLux }, weight, page, light, moments, begin, end) {

@@ -102,18 +102,20 @@ export class LightGroups {
         return this.list.map(({ rgb }) => rgb);
     }
 
-    /** The light of the sky, by that which the file saves. A sky that is black in a channel stays so. */
-    skyFactor() {
-        const { rgb, data } = this.list.find((group) => group.data.sky) ?? { rgb: [1, 1, 1], data: { weight: [1, 1, 1] } };
-        return rgb.map((x, c) => (data.weight[c] > 0 ? x / data.weight[c] : 0));
+    /** Lower limit of subtractive shadows, lux. */
+    shadowColor() {
+        return this.scene.data.shadowColor.map((x, c) => this.list.reduce((sum, { rgb, data }) => sum + rgb[c] * data.shadowColor[c], x));
     }
 
-    /** @param {string} name @param {number | number[] | import('three').Color} color linear */
+    /** @param {string} name "sky" stands for all parts of a sky that changes @param {number | number[] | import('three').Color} color linear */
     set(name, color) {
-        const group = this.list.find(({ data }) => data.name === name);
+        const named = this.list.filter(({ data }) => data.name === name);
+        const chosen = named.length === 0 && name === 'sky' ? this.list.filter(({ data }) => data.name.startsWith('sky.')) : named;
         const names = this.list.map(({ data }) => data.name).join(', ');
-        if (!group) throw new Error(`there is no light group "${name}": ${names ? `the file has ${names}` : 'the file has none'}`);
-        this.change(group, rgbOf(name, color));
+        const ofSky = name === 'sky' || String(name).startsWith('sky.') ? ': give the scene halflight_sky_changes = 1, and bake it again' : '';
+        if (chosen.length === 0) throw new Error(`there is no light group "${name}": ${names ? `the file has ${names}` : 'the file has none'}${ofSky}`);
+        const rgb = rgbOf(name, color);
+        for (const group of chosen) this.change(group, rgb);
     }
 
     /** Gives a light or an emission its white times a weight. */
@@ -144,12 +146,13 @@ export class LightGroups {
     update(renderer, camera) {
         if (this.list.length === 0) return;
         this.follow();
-        const { backend, field, volumes } = this.scene;
-        if (this.probesVersion !== this.version) field.setWeights(this.weights(), this.skyFactor());
+        const { backend, field, reflections, volumes } = this.scene;
+        if (this.probesVersion !== this.version) field.setWeights(this.weights());
         this.probesVersion = this.version;
         const arePagesDone = backend.compose(renderer);
         const areVolumesDone = volumes?.relight(camera) ?? true;
-        this.isFollowing = !(arePagesDone && areVolumesDone);
+        const areReflectionsDone = reflections?.compose(this) ?? true;
+        this.isFollowing = !(arePagesDone && areVolumesDone && areReflectionsDone);
     }
 
     /** A light that is hidden has the weight 0; where all lights of a group changed by one factor, that is its weight. */
@@ -162,8 +165,10 @@ export class LightGroups {
             const rgb = commonFactor(now, group.lights.map(({ data }) => data.white), group.rgb);
             if (rgb) this.#take(group, rgb);
         }
-        if (this.scene.data.reflections && this.list.some((group) => group.isChanged()))
-            this.scene.say('reflection probes keep the light of the bake: glossy surfaces reflect the light groups as they were then');
+        if (!this.scene.data.reflections) return;
+        for (const group of this.list)
+            if (!group.data.reflections && group.isChanged())
+                this.scene.say(`the light group ${group.data.name} has less than 1 % of what reflection probes show: glossy surfaces reflect it as it was in the bake`);
     }
 
     /** Lights and emission are as they were before their weights changed here. */

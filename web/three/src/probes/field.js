@@ -3,6 +3,7 @@
 // include/halflight/render/probes.h. A file without cells, as older bakes wrote for probes in a plane, gives the nearest
 // probe's.
 import { shBasis, shIrradianceWeight } from '../generated/shading.js';
+import { composedSky } from '../groups/sky.js';
 import { skyCoefficients } from '../scene/sky_picture.js';
 import { cellsFit } from './cells.js';
 import { removeRinging } from './ringing.js';
@@ -37,7 +38,10 @@ export class ProbeField {
      */
     constructor(probes, sky, channels = 4, groups = []) {
         this.channels = channels;
-        this.sky = skyProbe(sky, channels);
+        this.savedSky = sky;
+        this.savedProbe = skyProbe(sky, channels);
+        /** The open sky at the weights: its colours, a picture's factor, and light as a probe meets it. */
+        this.sky = null;
         this.probes = probes;
         this.spacing = [Infinity, Infinity, Infinity];
         /** @type {number[]} valid probes */
@@ -56,7 +60,7 @@ export class ProbeField {
             this.radiance = probes.radiance.slice();
             this.stamps = new Uint32Array(probes.count);
         }
-        this.setWeights(groups.map(({ weight }) => weight), [1, 1, 1]);
+        this.setWeights(groups.map(({ weight }) => weight));
         if (!probes) return;
         for (let i = 0; i < probes.count; ++i) if (probes.valid[i]) this.sources.push(i);
         if (this.sources.length > 0) this.build();
@@ -67,9 +71,11 @@ export class ProbeField {
         return { radiance: new Float64Array(27), occlusion: new Float64Array(this.channels) };
     }
 
-    /** @param {number[][]} weights of the groups @param {number[]} skyFactor of the sky where there are no probes */
-    setWeights(weights, skyFactor) {
-        this.skyFactor = skyFactor;
+    /** @param {number[][]} weights of the groups */
+    setWeights(weights) {
+        const { gradient, factor } = composedSky(this.savedSky, this.groups, weights);
+        const radiance = this.savedSky.picture ? this.savedProbe.radiance.map((x, i) => x * factor[i % 3]) : skyProbe(gradient).radiance;
+        this.sky = { gradient, factor, radiance };
         this.version += 1;
         /** The groups that give light. */
         this.shining = this.groups.flatMap(({ radiance }, g) => (Math.max(...weights[g]) > 0 ? [{ radiance, weight: weights[g] }] : []));
@@ -158,8 +164,8 @@ export class ProbeField {
      */
     sample(p, place = this.place, sum = this.newSample()) {
         if (this.empty) {
-            sum.radiance.set(this.sky.radiance.map((x, i) => x * this.skyFactor[i % 3]));
-            sum.occlusion.set(this.sky.occlusion);
+            sum.radiance.set(this.sky.radiance);
+            sum.occlusion.set(this.savedProbe.occlusion);
             removeRinging(sum.radiance);
             return sum;
         }

@@ -34,7 +34,7 @@ export class HalflightScene {
     #view = 'lit';
     #shadowDistance = 60;
     #shadowFadeRange = 1;
-    #shadowColor;
+    #shadowColor = null;
     #warnings = new Warnings();
     #thrown = '';
     #clones = new Set();
@@ -54,7 +54,6 @@ export class HalflightScene {
         this.options = options;
         this.file = file;
         this.#mode = data.mode;
-        this.#shadowColor = [...data.shadowColor];
         if (options.dynamicLayer !== undefined) checkNumber('dynamicLayer', options.dynamicLayer, ' of a layer', 0, 31);
         this.dynamicLayer = options.dynamicLayer ?? DYNAMIC_LAYER;
         for (const lost of data.lost) this.#warnings.keep(`the file has lost part of its bake: ${lost}; use the file that the bake wrote, or a tool that keeps its extensions`);
@@ -82,7 +81,7 @@ export class HalflightScene {
             const members = v.instance < 0 ? Array.from({ length: v.object.instances }, (_, i) => i) : [v.instance];
             for (const i of members) v.object.setVolume(this.table, i, v.row);
         }
-        this.reflections = data.reflections ? new Reflections(data.reflections, this.table) : null;
+        this.reflections = data.reflections ? new Reflections(data, this.table) : null;
         /** In bake space. */
         this.bounds = boundsOf(this.objects);
         this.backend = null;
@@ -145,9 +144,9 @@ export class HalflightScene {
         this.#shadowFadeRange = checkNumber('shadowFadeRange', meters, ' of metres');
     }
 
-    /** Lower limit of subtractive shadows, lux. */
+    /** Lower limit of subtractive shadows, lux: by the weights of light groups, unless it was set here. */
     get shadowColor() {
-        return this.#shadowColor;
+        return this.#shadowColor ?? this.groups.shadowColor();
     }
     set shadowColor(color) {
         if (color?.length !== 3) throw new Error(`shadowColor is ${color}: it has three numbers`);
@@ -332,7 +331,13 @@ export class HalflightScene {
             throw new Error("import the plug-in from '@halflight/three' for WebGLRenderer, from '@halflight/three/webgpu' for WebGPURenderer");
         this.backend = new backends[kind](this);
         for (const object of this.objects) this.members.attach(object);
-        if (this.options.sky !== false && Object.values(this.data.sky).flat().some((x) => x > 0)) this.sky = this.backend.makeSky();
+        if (this.options.sky !== false && this.#hasSky()) this.sky = this.backend.makeSky();
+    }
+
+    /** Whether the sky shines, or may by a weight. */
+    #hasSky() {
+        const { zenith, horizon, ground } = this.data.sky;
+        return [zenith, horizon, ground].flat().some((x) => x > 0) || this.data.groups.some(({ sky }) => sky);
     }
 
     #updateProbes() {

@@ -63,7 +63,8 @@ export class WebGLBackend {
         if (scene.reflections) {
             features.push('HL_REFLECTIONS');
             this.uniforms.hlReflectionPicture = { value: scene.reflections.texture };
-            this.uniforms.hlReflections = { value: new Vector4(...scene.reflections.numbers) };
+            const [probes, size, firstRow] = scene.reflections.numbers;
+            this.uniforms.hlReflections = { value: new Vector4(probes, size, 1, firstRow) };
         }
         if (volumes) {
             features.push('HL_VOLUMES');
@@ -138,7 +139,11 @@ export class WebGLBackend {
 
     update() {
         const { scene, uniforms } = this;
-        uniforms.hlSkyFactor.value.set(...scene.groups.skyFactor());
+        const { sky } = scene.field;
+        [sky.gradient.zenith, sky.gradient.horizon, sky.gradient.ground].forEach((color, i) => uniforms.hlSky.value[i].set(...color));
+        uniforms.hlSkySh.value.forEach((coefficient, i) => coefficient.fromArray(sky.radiance, 3 * i));
+        uniforms.hlSkyFactor.value.set(...sky.factor);
+        if (scene.reflections) uniforms.hlReflections.value.z = scene.reflections.unitNits;
         uniforms.hlMode.value = MODES.indexOf(scene.mode);
         uniforms.hlView.value = VIEWS.indexOf(scene.debugView);
         uniforms.hlShadow.value.set(scene.shadowDistance, scene.shadowFadeRange);

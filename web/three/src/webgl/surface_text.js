@@ -4,8 +4,8 @@ import { table } from './table_text.js';
 /** The sky by direction. */
 export const skyText = `
 uniform vec3 hlSky[3]; // zenith, horizon, ground
-uniform vec3 hlSkyFactor; // on all its light
 #ifdef HL_SKY_PICTURE
+uniform vec3 hlSkyFactor; // on the picture
 uniform highp sampler2D hlSkyPicture;
 uniform vec4 hlSkyTurn; // cosine and sine of its rotation, width in texels, cd/m2 of a texel of 1
 #endif
@@ -15,7 +15,7 @@ vec3 hlSkyTowards(vec3 d, float roughness)
 #ifdef HL_SKY_PICTURE
     return textureLod(hlSkyPicture, hlSkyPictureUv(d, hlSkyTurn.xy), hlSkyPictureLevel(roughness, hlSkyTurn.z)).rgb * hlSkyTurn.w * hlSkyFactor;
 #else
-    return hlSkyRadiance(hlSky[0], hlSky[1], hlSky[2], d) * hlSkyFactor;
+    return hlSkyRadiance(hlSky[0], hlSky[1], hlSky[2], d);
 #endif
 }
 `;
@@ -125,7 +125,7 @@ vec3 hlIrradiance(vec3 n, bool openSky)
     vec3 irradiance = vec3(0.0);
     if (openSky) {
         for (int i = 0; i < 9; ++i) irradiance += hlSkySh[i] * hlShIrradianceWeight(i, n);
-        return max(irradiance, vec3(0.0)) * hlSkyFactor;
+        return max(irradiance, vec3(0.0));
     }
 #ifdef HL_VOLUMES
     if (hlSurface.volume >= 0) {

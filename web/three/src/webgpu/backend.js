@@ -61,6 +61,7 @@ export class WebGPUBackend {
             volumes: volumes?.texture ?? null,
             reflectionPicture: scene.reflections?.texture ?? null,
             reflections: scene.reflections?.numbers ?? null,
+            reflectionUnit: shared(1),
             mode: shared(0, 'int'),
             view: shared(0, 'int'),
             shadow: shared(new Vector2()),
@@ -238,7 +239,11 @@ export class WebGPUBackend {
 
     update() {
         const { scene, u } = this;
-        u.skyFactor.value.set(...scene.groups.skyFactor());
+        const { sky } = scene.field;
+        [sky.gradient.zenith, sky.gradient.horizon, sky.gradient.ground].forEach((color, i) => u.sky.array[i].set(...color));
+        u.skySh.array.forEach((coefficient, i) => coefficient.fromArray(sky.radiance, 3 * i));
+        u.skyFactor.value.set(...sky.factor);
+        if (scene.reflections) u.reflectionUnit.value = scene.reflections.unitNits;
         if (u.table !== scene.table.texture) {
             u.table = scene.table.texture; // it grew; programs hold the one before
             this.recompile();

@@ -141,7 +141,7 @@ export class SceneNodes {
     skyIrradiance(n) {
         let sum = vec3(0);
         for (let i = 0; i < 9; ++i) sum = sum.add(this.u.skySh.element(i).mul(hl.hlShIrradianceWeight(int(i), n)));
-        return sum.max(0).mul(this.u.skyFactor);
+        return sum.max(0);
     }
 
     /** B of a light, within the reach that it had at its bake. @param {any} light uniforms of one light */
@@ -250,7 +250,7 @@ export class SceneNodes {
 
     /** What the probes make of a surface's own surroundings: hlReflected() of indirect_text.js. */
     withReflections(s, surroundings, local) {
-        const [count, , unit, first] = this.u.reflections;
+        const [count, , first] = this.u.reflections;
         const mirror = reflect(s.view.negate(), s.normal).toVar();
         const radiance = vec3(0).toVar();
         const expected = vec3(0).toVar();
@@ -270,7 +270,7 @@ export class SceneNodes {
                 weights.addAssign(weight);
             });
         });
-        const scale = float(unit).div(weights.max(1e-20));
+        const scale = this.u.reflectionUnit.div(weights.max(1e-20));
         return hl.hlReflectedSurroundings(radiance.mul(scale), expected.mul(scale), weights, this.reflectionTrust(s), surroundings, local, s.roughness);
     }
 
@@ -309,7 +309,7 @@ export class SceneNodes {
 
 /** Radiance of the sky from a unit direction, in a mirror of this roughness. @param {any} d @param {any} roughness */
 function skyTowards(u, d, roughness) {
-    if (!u.skyPicture) return hl.hlSkyRadiance(u.sky.element(0), u.sky.element(1), u.sky.element(2), d).mul(u.skyFactor);
+    if (!u.skyPicture) return hl.hlSkyRadiance(u.sky.element(0), u.sky.element(1), u.sky.element(2), d);
     const level = hl.hlSkyPictureLevel(roughness, u.skyTurn.z);
     return texture(u.skyPicture, hl.hlSkyPictureUv(d, u.skyTurn.xy)).level(level).rgb.mul(u.skyTurn.w).mul(u.skyFactor);
 }
