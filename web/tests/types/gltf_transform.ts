@@ -14,6 +14,8 @@ export async function list(path: string): Promise<string[]> {
     const lighting = root.getExtension<MixedLighting>(MixedLighting.EXTENSION_NAME);
     const key: PictureKey = 'shadowmasks/0';
     const ofGroup: PictureKey = 'groups/0/lightmaps/1';
+    const reflected: PictureKey = 'groups/0/reflections';
+    lighting?.setPicture(reflected, lighting.getPicture(reflected));
     lighting?.setPicture(ofGroup, lighting.getPicture(ofGroup)).setProbeAccessor('groups/0/radiance', lighting.getProbeAccessor('groups/0/radiance'));
     const accessor: ProbeAccessor = 'tetrahedra';
     const names = (lighting?.listPictures() ?? []).map(([name, texture]) => `${name} ${texture.getMimeType()}`);

@@ -1,7 +1,7 @@
 // All of the public API of @halflight/three, as an application would use it: compiled by types.test.mjs, never run.
 import { HalflightPlugin, HalflightScene, MODES, RELEASES, VIEWS, type BakedGLTF, type BakedLight, type LightGroup, type Mode, type Options, type View } from '@halflight/three';
 import { HalflightPlugin as NodePlugin } from '@halflight/three/webgpu';
-import { composeLight, isBaked, readBaked, type BakedData, type GroupData, type LightData, type NodeData, type Pixels, type ProbeData, type Source } from '@halflight/three/file';
+import { composeLight, composeReflections, isBaked, readBaked, type BakedData, type GroupData, type LightData, type NodeData, type Pixels, type ProbeData, type ReflectionPicture, type Source } from '@halflight/three/file';
 import { Box3, Color, Mesh, PerspectiveCamera, Scene, WebGLRenderer } from 'three';
 import { LightProbeGridWebGL } from 'three/addons/lighting/LightProbeGridWebGL.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
@@ -65,6 +65,8 @@ export async function read(source: Source): Promise<number> {
     const light: LightData | undefined = data.lights.get(0);
     const groups: GroupData[] = data.groups;
     pages.push(...composeLight(data, groups.map(({ weight }) => weight)).lightmaps);
+    const reflected: (ReflectionPicture | null)[] = [composeReflections(data), ...groups.map(({ reflections }) => reflections)];
+    pages.push(...reflected.flatMap((own) => (own ? [own.picture] : [])));
     const cells = probes?.cells?.vertices.length ?? 0;
     return pages.length + cells + (node?.lightmap?.page ?? 0) + (light?.channel ?? -1) + data.bytes.probes;
 }

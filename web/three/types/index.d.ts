@@ -55,13 +55,13 @@ export class HalflightScene {
     shadowDistance: number;
     /** Metres before the shadow distance over which shadows fade. */
     shadowFadeRange: number;
-    /** Lower limit of subtractive shadows, lux. */
+    /** Lower limit of subtractive shadows, lux: by the weights of light groups, unless it was set here. */
     shadowColor: [number, number, number];
     readonly data: BakedData;
     readonly lights: BakedLight[];
     /** Light groups of the file in its order; none where it has none. */
     readonly lightGroups: LightGroup[];
-    /** Multiplies the light of a group, from the next update() on: 0 is off. Throws where there is no such group, or no such weight. */
+    /** Multiplies the light of a group, from the next update() on: 0 is off. "sky" stands for all parts of a sky that changes. Throws where there is no such group, or no such weight. */
     setLightGroup(name: string, color: number | readonly [number, number, number] | Color): void;
     /** Whether light still follows a change of weights piece by piece: where frames are drawn on demand, draw another one. */
     readonly isFollowing: boolean;

@@ -48,7 +48,10 @@ function addRow({ picture, size }, color, { probe, level, width, y }, sums, betw
         const at = placeOf(x, width, own);
         const column = Math.floor(at);
         const share = at - column;
-        for (let c = 0; c < 3; ++c) sums[3 * x + c] += between[3 * column + c] * (1 - share) + between[3 * column + 3 + c] * share;
+        const from = 3 * column;
+        sums[3 * x] += between[from] * (1 - share) + between[from + 3] * share;
+        sums[3 * x + 1] += between[from + 1] * (1 - share) + between[from + 4] * share;
+        sums[3 * x + 2] += between[from + 2] * (1 - share) + between[from + 5] * share;
     }
 }
 
@@ -63,7 +66,7 @@ export function* composingReflections(sources, weights, most) {
     const shining = sources.flatMap((source, i) => (i > 0 && source && Math.max(...weights[i - 1]) > 0 ? [{ source, weight: weights[i - 1] }] : []));
     const brightest = shining.reduce((sum, { source, weight }) => sum + source.peak * Math.max(...weight), rest.peak);
     const unitNits = brightest > 0 ? 2 ** Math.ceil(Math.log2(brightest / MOST)) : 1;
-    const own = rest.unitNits / unitNits;
+    const own = Array(3).fill(rest.unitNits / unitNits);
     const colors = shining.map(({ source, weight }) => weight.map((x) => (x * source.unitNits) / unitNits));
     const texels = new Uint32Array(picture.data.length);
     const sums = new Float64Array(3 * size);
@@ -76,7 +79,7 @@ export function* composingReflections(sources, weights, most) {
             for (let y = 0; y < width; ++y) {
                 const begin = (top + y) * size + left;
                 sums.fill(0, 0, 3 * width);
-                for (let x = 0; x < width; ++x) addTexel(picture.data[begin + x], 1, [own, own, own], sums, 3 * x);
+                for (let x = 0; x < width; ++x) addTexel(picture.data[begin + x], 1, own, sums, 3 * x);
                 shining.forEach(({ source }, i) => addRow(source, colors[i], { probe, level, width, y }, sums, between));
                 for (let x = 0; x < width; ++x) texels[begin + x] = packRgb9e5(sums[3 * x], sums[3 * x + 1], sums[3 * x + 2]);
                 done += width;
