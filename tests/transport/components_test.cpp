@@ -35,7 +35,7 @@ Scene room()
 
 LightComponents componentsOf(const Scene& scene)
 {
-    LightComponents components{kComponents, {1, 2, 0}, std::vector<int>(scene.materials.size(), 0), 4};
+    LightComponents components{kComponents, {1, 2, 0}, std::vector<int>(scene.materials.size(), 0), {4, 4, 4}};
     components.ofMaterial[2] = 3;
     return components;
 }
