@@ -11,12 +11,14 @@ import { studio } from './studio.mjs';
 const pack = JSON.parse(readFileSync(join(repository, 'assets/conformance/pictures.json'), 'utf8'));
 /** In the pack's small pictures the mipmap level of its normal map decides: drivers round it in different ways. */
 const LARGER = new Set(['bumpy_wall.glb']);
+/** Pixels of even surfaces that a picture shows at least: in lit rooms fewer are even. */
+const LEAST_EVEN = { 'light_groups.glb': 200 };
 
-function checkPack(label, result) {
+function checkPack(label, result, leastEven = 1000) {
     const { meanRelative, shareOfPixels } = pack.tolerances;
     assert.ok(result.meanRelative <= meanRelative, `${label}: luminance differs by ${result.meanRelative} of its mean`);
     assert.ok(result.share >= shareOfPixels, `${label}: ${result.share} of the pixels are right`);
-    assert.ok(result.evenPixels >= 200 && result.even >= 0.995, `${label}: of ${result.evenPixels} pixels of even surfaces ${result.even} are within 1 %`);
+    assert.ok(result.evenPixels >= leastEven && result.even >= 0.995, `${label}: of ${result.evenPixels} pixels of even surfaces ${result.even} are within 1 %`);
 }
 
 for (const renderer of ['webgl', 'webgpu']) {
@@ -35,7 +37,7 @@ for (const renderer of ['webgl', 'webgpu']) {
                     continue;
                 }
                 const reference = `/assets/conformance/${picture}`;
-                checkPack(label, await studio.compareWith(call, `${label}, ${mode}`, { reference, camera, size: pack.size, settings: { debugView: 'lit', mode, ...settings } }));
+                checkPack(label, await studio.compareWith(call, `${label}, ${mode}`, { reference, camera, size: pack.size, settings: { debugView: 'lit', mode, ...settings } }), LEAST_EVEN[file]);
             }
         });
     }

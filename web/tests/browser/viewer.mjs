@@ -140,7 +140,7 @@ test('the viewer: a colour and a brightness for each light group S33, and links 
     await drawn(() => range.fill('0'));
     const off = await picture();
     assert.ok(!off.equals(saved), 'the lamp is off');
-    assert.match(await text('#notes'), /reflection probes keep the light of the bake/i);
+    assert.equal(await text('#notes'), '', 'reflection probes follow too');
     await drawn(() => color.fill('#0000ff'));
     assert.ok((await picture()).equals(off), 'a colour of a lamp that is off shows nothing yet');
     await drawn(() => range.fill('2'));
