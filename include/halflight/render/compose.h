@@ -54,8 +54,6 @@ std::optional<vec3> weightOfLights(const Scene& scene, int group, vec3 weight);
 
 /// The bake's reflection probes with the pictures of the groups, each times its weight.
 ReflectionSet composedReflections(const BakedScene& baked, std::span<const vec3> weights);
-/// The darkest that subtractive shadows may be, lux, where the author gave no colour.
-vec3 composedShadowColor(const BakedScene& baked, std::span<const vec3> weights);
 
 /// Names of groups that reflection probes show at the saved weight, as they have little light there, though `weights`
 /// change them.

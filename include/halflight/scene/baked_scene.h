@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -135,13 +136,16 @@ int maskLayersOf(const Scene& scene);
 /// Of the mask's pictures; zero where none has texels.
 ivec2 maskPageSize(const BakedScene& baked);
 
-/// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's, with the groups at their saved
-/// weights.
-inline vec3 subtractiveShadowColor(const BakedScene& baked)
+/// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's. `weights`: by group; the saved
+/// ones where there are none.
+inline vec3 subtractiveShadowColor(const BakedScene& baked, std::span<const vec3> weights = {})
 {
     if (baked.scene.subtractiveShadowColor) return *baked.scene.subtractiveShadowColor;
     vec3 color = baked.defaultShadowColor;
-    for (const BakedGroup& group : baked.groups) color += group.weight * group.shadowColor;
+    for (std::size_t g = 0; g < baked.groups.size(); ++g) {
+        const BakedGroup& group = baked.groups[g];
+        color += (weights.empty() ? group.weight : weights[g]) * group.shadowColor;
+    }
     return color;
 }
 

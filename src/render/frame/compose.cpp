@@ -109,13 +109,6 @@ Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vecto
     return weights;
 }
 
-vec3 composedShadowColor(const BakedScene& baked, std::span<const vec3> weights)
-{
-    vec3 color = baked.defaultShadowColor;
-    for (std::size_t g = 0; g < baked.groups.size(); ++g) color += weights[g] * baked.groups[g].shadowColor;
-    return color;
-}
-
 std::vector<SphericalHarmonicsL2> composedRadiance(const BakedScene& baked, std::span<const vec3> weights)
 {
     std::vector<SphericalHarmonicsL2> radiance;
@@ -131,7 +124,7 @@ void composeGroups(BakedScene& baked, const std::vector<vec3>& weights)
     if (baked.groups.empty()) return;
     composePages(baked, weights);
     baked.reflections = composedReflections(baked, weights);
-    baked.defaultShadowColor = composedShadowColor(baked, weights);
+    baked.defaultShadowColor = subtractiveShadowColor(baked, weights);
     const std::vector<SphericalHarmonicsL2> radiance = composedRadiance(baked, weights);
     for (std::size_t i = 0; i < radiance.size(); ++i) baked.probes.probes[i].radiance = radiance[i];
     composeMembers(baked.scene, baked.groups, weights, baked.scene);

@@ -1,7 +1,6 @@
 #include "render/scene/frame_data.h"
 
 #include "halflight/base/mathematics.h"
-#include "halflight/render/compose.h"
 #include "halflight/shading/law.h"
 #include "halflight/shading/light.h"
 
@@ -76,8 +75,7 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.skyGround = vec4(sky.ground, 0.0f);
     frame.skyPicture = skyPictureOfFrame(scene.sky, sky);
     frame.skyPictureNits = vec4(scene.sky.unitNits * scene.skyFactor, 0.0f);
-    const vec3 ownShadowColor =
-        scene.outline.scene.subtractiveShadowColor.value_or(composedShadowColor(scene.outline, scene.groups.weights));
+    const vec3 ownShadowColor = subtractiveShadowColor(scene.outline, scene.groups.weights);
     frame.subtractiveShadowColor =
         vec4(settings.subtractiveShadowColor.value_or(ownShadowColor), scene.lightmapUnitLux);
     for (int c = 0; c < kMostMaskLayers * kLayerChannels; ++c) {

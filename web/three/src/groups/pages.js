@@ -9,7 +9,7 @@ export const SOURCES_A_DRAW = 8;
 const MOST_OF_TARGET = 32752;
 
 /** CIE luminance of linear Rec. 709, as in include/halflight/base/math.h. */
-export const LUMINANCE = [0.2126, 0.7152, 0.0722];
+const LUMINANCE = [0.2126, 0.7152, 0.0722];
 
 /**
  * Light by itself: the rest first, whose weight is 1, then the groups.

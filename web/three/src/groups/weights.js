@@ -15,7 +15,7 @@ function rgbOf(name, color) {
     return list.map((x) => checkNumber(`the weight of light group "${name}"`, x, '', 0, MOST));
 }
 
-/** A colour of at most 1 with an intensity that stays where it can, as setLight() in src/render/frame/compose.cpp. */
+/** A colour of at most 1 with an intensity that stays where it can, as setColorIntensity() in src/render/frame/group_members.cpp. */
 function split(rgb, intensity) {
     const most = Math.max(...rgb);
     if (!(most > 0)) return { intensity: 0, color: null };

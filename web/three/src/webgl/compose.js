@@ -4,10 +4,8 @@ import { CustomBlending, HalfFloatType, LinearFilter, NearestFilter, NoBlending,
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 
 import shading from '../generated/shading.glsl.js';
-import { LUMINANCE, planDraws } from '../groups/pages.js';
+import { planDraws } from '../groups/pages.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
-
-const luminance = `float hlLuminance(vec3 c) { return dot(c, vec3(${LUMINANCE.join(', ')})); }\n`;
 
 /** Adds `count` sources: light, or its first moment. */
 function sumText(count, withDirections) {
@@ -16,9 +14,9 @@ function sumText(count, withDirections) {
     const terms = all.map((i) => {
         const light = `texelFetch(light${i}, ivec3(at, layers[${i}]), 0).rgb * factors[${i}]`;
         if (!withDirections) return `    sum += ${light};\n`;
-        return `    sum += hlLuminance(${light}) * hlDecodeMeanDirection(texelFetch(direction${i}, ivec3(at, directionLayers[${i}]), 0).rgb);\n`;
+        return `    sum += hlDirectionMoment(${light}, texelFetch(direction${i}, ivec3(at, directionLayers[${i}]), 0).rgb);\n`;
     });
-    return `${shading}${luminance}${samplers.join('')}
+    return `${shading}${samplers.join('')}
 uniform vec3 factors[${count}];
 uniform int layers[${count}];
 uniform int directionLayers[${count}];
@@ -30,7 +28,7 @@ ${terms.join('')}    gl_FragColor = vec4(clamp(sum, -65504.0, 65504.0), 1.0);
 }`;
 }
 
-const divideText = `${shading}${luminance}
+const divideText = `${shading}
 uniform highp sampler2DArray light;
 uniform highp sampler2DArray rest; // directions; their alpha stays
 uniform highp sampler2D moments;
@@ -38,9 +36,8 @@ uniform int page;
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    float all = hlLuminance(texelFetch(light, ivec3(at, page), 0).rgb);
-    vec3 direction = all > 0.0 ? texelFetch(moments, at, 0).rgb / all : vec3(0.0);
-    gl_FragColor = vec4(hlEncodeMeanDirection(direction), texelFetch(rest, ivec3(at, page), 0).a);
+    vec3 irradiance = texelFetch(light, ivec3(at, page), 0).rgb;
+    gl_FragColor = vec4(hlEncodeMomentDirection(irradiance, texelFetch(moments, at, 0).rgb), texelFetch(rest, ivec3(at, page), 0).a);
 }`;
 
 function makeMaterial(fragmentShader, uniforms, isFirst) {

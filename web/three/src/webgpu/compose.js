@@ -1,12 +1,10 @@
 // Adds pages of light groups up with WebGPURenderer, as webgl/compose.js does.
 import { CustomBlending, HalfFloatType, LinearFilter, NearestFilter, NoBlending, NodeMaterial, OneFactor, QuadMesh, RendererUtils, REVISION, RenderTarget, UnsignedByteType, Vector3 } from 'three/webgpu';
-import { float, int, select, texture, uniform, uv, vec3, vec4 } from 'three/tsl';
+import { int, texture, uniform, uv, vec3, vec4 } from 'three/tsl';
 
 import * as hl from '../generated/shading.tsl.js';
-import { LUMINANCE, planDraws } from '../groups/pages.js';
+import { planDraws } from '../groups/pages.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
-
-const luminance = (color) => color.dot(vec3(...LUMINANCE));
 
 /** Layer of an array texture where the quad is drawn. */
 const layerOf = (array, layer) => texture(array, uv()).depth(int(layer)).level(0);
@@ -55,15 +53,14 @@ export class WebGPUPageDraws {
         const sum = sources.reduce((rest, { source, layer, directionLayer }, i) => {
             const light = layerOf(this.lights[source], layer).rgb.mul(factors[i]);
             if (!withDirections) return rest.add(light);
-            return rest.add(hl.hlDecodeMeanDirection(layerOf(this.towards[source], directionLayer).rgb).mul(luminance(light)));
+            return rest.add(hl.hlDirectionMoment(light, layerOf(this.towards[source], directionLayer).rgb));
         }, vec3(0));
         return { page, isFirst, sources, factors, material: makeMaterial(vec4(sum.clamp(-65504, 65504), 1), isFirst) };
     }
 
     #divide(page) {
-        const all = luminance(layerOf(this.light.texture, page).rgb);
-        const direction = select(all.greaterThan(0), texture(this.moments.texture, uv()).level(0).rgb.div(all.max(float(1e-30))), vec3(0));
-        return makeMaterial(vec4(hl.hlEncodeMeanDirection(direction), layerOf(this.towards[0], page).a), true);
+        const direction = hl.hlEncodeMomentDirection(layerOf(this.light.texture, page).rgb, texture(this.moments.texture, uv()).level(0).rgb);
+        return makeMaterial(vec4(direction, layerOf(this.towards[0], page).a), true);
     }
 
     /** Null before the renderer has a device: a later frame draws. */
