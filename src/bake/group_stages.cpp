@@ -30,13 +30,12 @@ struct LightPages {
     std::vector<ImageRgb32f> moments; ///< empty without directions
 };
 
-/// `main`: subtractive's main light where it belongs to the component, else null.
-LightPages pagesOf(const CachedIntegrator& cached, const std::vector<IrradianceEstimate>& estimates,
+/// `values`: those of the estimates. `main`: subtractive's main light where it belongs to the component, else null.
+LightPages pagesOf(const CachedIntegrator& cached, const std::vector<IrradianceEstimate>& estimates, TexelValues values,
                    const MainLight* main, const std::vector<uint8_t>& valid, const std::vector<SeamSample>& seams,
                    bool directional)
 {
     LightPages pages;
-    TexelValues values = splitEstimates(estimates);
     if (main != nullptr) {
         main->addTo(values.irradiance);
         main->addTo(values.direct);
@@ -173,12 +172,14 @@ Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
         if (lit && run.settings.denoiser != Denoiser::Off)
             denoise(cached.geometry, cached.map, seams, own, directional);
         if (run.progress.cancelled()) return cancelledError();
+        TexelValues values = splitEstimates(own);
         if (main != nullptr) {
             vec3& color = c > 0 ? baked.groups[c - 1].shadowColor : baked.defaultShadowColor;
-            color = chooseShadowColor(*main, splitEstimates(own).irradiance, valid, run.settings.subtractiveMask);
+            color = chooseShadowColor(*main, values.irradiance, valid, run.settings.subtractiveMask);
         }
         const bool holdsMain = main != nullptr && std::size_t(run.components.ofLight[main->light]) == c;
-        LightPages pages = pagesOf(cached, own, holdsMain ? main : nullptr, valid, seams, directional);
+        LightPages pages =
+            pagesOf(cached, own, std::move(values), holdsMain ? main : nullptr, valid, seams, directional);
         if (c > 0) {
             blackenDark(pages.irradiance);
             baked.groups[c - 1].direct = hasDirectLight(run.components, baked, int(c));
@@ -222,18 +223,20 @@ void keepComponentsOfProbes(const BakedProbes& probes, BakedScene& baked)
 WhitePages whitePages(const BakeResult& result)
 {
     WhitePages pages;
+    pages.irradiance = result.irradiance;
+    pages.components.lightmaps.emplace_back(result.irradiance);
+    for (const std::vector<ImageRgb32f>& group : result.groupIrradiance) {
+        pages.components.lightmaps.emplace_back(group);
+        for (std::size_t p = 0; p < pages.irradiance.size(); ++p)
+            for (std::size_t i = 0; i < pages.irradiance[p].texelCount(); ++i)
+                pages.irradiance[p].data()[i] += group[p].data()[i];
+    }
+    if (result.baked.lightmapDirections.empty()) return pages;
     BakedScene all;
     all.lightmaps = result.baked.lightmaps;
     all.lightmapUnitLux = result.baked.lightmapUnitLux;
     all.lightmapDirections = result.baked.lightmapDirections;
-    pages.irradiance = result.irradiance;
-    pages.components.lightmaps.emplace_back(result.irradiance);
-    for (std::size_t g = 0; g < result.groupIrradiance.size(); ++g) {
-        const BakedGroup& group = result.baked.groups[g];
-        pages.components.lightmaps.emplace_back(result.groupIrradiance[g]);
-        for (std::size_t p = 0; p < pages.irradiance.size(); ++p)
-            for (std::size_t i = 0; i < pages.irradiance[p].texelCount(); ++i)
-                pages.irradiance[p].data()[i] += result.groupIrradiance[g][p].data()[i];
+    for (const BakedGroup& group : result.baked.groups) {
         BakedGroup& copy = all.groups.emplace_back();
         copy.unitLux = group.unitLux;
         copy.lightmaps = group.lightmaps;

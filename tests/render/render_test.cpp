@@ -40,6 +40,11 @@ RenderedFrame RenderTest::render(const BakedScene& baked, const Camera& camera, 
         ADD_FAILURE() << status.error().text();
         return {ImageRgba32f(settings.size.x, settings.size.y), {}, {}};
     }
+    return render(camera, settings);
+}
+
+RenderedFrame RenderTest::render(const Camera& camera, const RenderSettings& settings)
+{
     auto frame = renderer->render(camera, settings);
     if (!frame) {
         ADD_FAILURE() << frame.error().text();

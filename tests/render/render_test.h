@@ -22,6 +22,8 @@ protected:
     void startAnew();
     /// Loads and renders; fails the test with the error.
     RenderedFrame render(const BakedScene& baked, const Camera& camera, const RenderSettings& settings);
+    /// The same of what is loaded.
+    RenderedFrame render(const Camera& camera, const RenderSettings& settings);
 
     inline static std::unique_ptr<Renderer> renderer;
 

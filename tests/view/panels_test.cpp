@@ -57,6 +57,29 @@ protected:
         ImGui::Render();
         return ImGui::GetDrawData()->TotalVtxCount;
     }
+    /// Ctrl and a click, text, and a click elsewhere, where typing ends: show() draws a frame, typed() comes after each
+    /// character.
+    template<typename Show, typename Typed>
+    static void type(ImVec2 place, const char* text, const Show& show, const Typed& typed)
+    {
+        ImGuiIO& io = ImGui::GetIO();
+        io.MousePos = place;
+        show();
+        io.KeyCtrl = io.MouseDown[0] = true;
+        show();
+        io.KeyCtrl = io.MouseDown[0] = false;
+        show();
+        for (const char* c = text; *c != '\0'; ++c) {
+            io.AddInputCharacter(unsigned(*c));
+            show();
+            typed(*c);
+        }
+        io.MousePos = ImVec2(395.0f, 395.0f);
+        io.MouseDown[0] = true;
+        show();
+        io.MouseDown[0] = false;
+        show();
+    }
     void click(float x, float y)
     {
         ImGuiIO& io = ImGui::GetIO();
@@ -169,25 +192,11 @@ TEST_F(Panels, NumbersThatAreTypedStayWithinTheirLimits)
         return corner;
     };
     const ImVec2 corner = show();
-    ImGuiIO& io = ImGui::GetIO();
     for (const char* text : {"0.1", "-3", "99", "1e30"}) {
-        io.MousePos = ImVec2(corner.x + 5.0f, corner.y + 5.0f);
-        show();
-        io.KeyCtrl = io.MouseDown[0] = true;
-        show();
-        io.KeyCtrl = io.MouseDown[0] = false;
-        show();
-        for (const char* c = text; *c != '\0'; ++c) {
-            io.AddInputCharacter(unsigned(*c));
-            show();
-            EXPECT_GE(value, 0.25f) << text << " at " << *c;
-            EXPECT_LE(value, 4.0f) << text << " at " << *c;
-        }
-        io.MousePos = ImVec2(390.0f, 390.0f);
-        io.MouseDown[0] = true; // elsewhere: typing ends
-        show();
-        io.MouseDown[0] = false;
-        show();
+        type(ImVec2(corner.x + 5.0f, corner.y + 5.0f), text, show, [&](char c) {
+            EXPECT_GE(value, 0.25f) << text << " at " << c;
+            EXPECT_LE(value, 4.0f) << text << " at " << c;
+        });
         EXPECT_EQ(value, *text == '0' || *text == '-' ? 0.25f : 4.0f) << text;
     }
 }
@@ -207,27 +216,9 @@ TEST_F(Panels, GroupsHaveASliderAndAColourS33)
         ImGui::Render();
         take(std::move(answer));
     };
-    ImGuiIO& io = ImGui::GetIO();
-    const auto typeAt = [&](float y, const char* text) {
-        io.MousePos = ImVec2(30.0f, y);
-        show();
-        io.KeyCtrl = io.MouseDown[0] = true;
-        show();
-        io.KeyCtrl = io.MouseDown[0] = false;
-        show();
-        for (const char* c = text; *c != '\0'; ++c) {
-            io.AddInputCharacter(unsigned(*c));
-            show();
-        }
-        io.MousePos = ImVec2(380.0f, 380.0f);
-        io.MouseDown[0] = true; // elsewhere: typing ends
-        show();
-        io.MouseDown[0] = false;
-        show();
-    };
     const auto typed = [&](float y, const char* text) -> std::optional<vec3> {
         changes.clear();
-        typeAt(y, text);
+        type(ImVec2(30.0f, y), text, show, [](char) {});
         if (changes.empty()) return std::nullopt;
         const auto* change = std::get_if<ChangeGroup>(&changes.back());
         EXPECT_TRUE(change != nullptr && change->name == "lamps");

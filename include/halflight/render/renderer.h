@@ -180,9 +180,10 @@ public:
 
     /// S33. The weight of a light group, by channel, 0 to kMostGroupWeight: what its light at the weight 1 is
     /// multiplied with. Lights of the group have their colour times intensity at 1 times the weight, in scene() too,
-    /// whatever setLight() made of them; emission, lightmap, probes and the drawn sky follow in the next frame. That
-    /// one has a pass "compose" more, which adds up the lightmap's pages. Reflection probes keep the light of the bake,
-    /// and FramePlan::warnings says so. InvalidArgument names a group that the scene lacks, or a weight that cannot be.
+    /// whatever setLight() made of them; emission, lightmap, probes, reflection probes and the drawn sky follow in the
+    /// next frame. That one has a pass "compose" more, which adds up the lightmap's pages. FramePlan::warnings names
+    /// groups with so little light in reflection probes that they keep it there. "sky" sets all parts of a sky that
+    /// changes. InvalidArgument names a group that the scene lacks, or a weight that cannot be.
     Status setLightGroup(const std::string& name, vec3 weight);
     /// The groups of the loaded scene with their weights now, in the file's order.
     [[nodiscard]] std::vector<GroupWeight> lightGroups() const;

@@ -279,10 +279,9 @@ float RoomSearch::roomIn(const RoomCell& cell) const
     return room;
 }
 
-/// Sides to which cells are halved for light alone.
-float RoomSearch::finestOf(const RoomCell& cell) const
+/// Sides to which cells are halved for light alone, by the smallest room in them.
+float RoomSearch::finestIn(float room)
 {
-    const float room = roomIn(cell);
     return room < kInfinity ? std::max(kFinestMeters, kRoomShare * room) : kFinestMeters;
 }
 
@@ -307,8 +306,9 @@ Status RoomSearch::checkSteep(std::span<const RoomCell> cells, std::span<const S
         if (verdicts[i].halve || verdicts[i].unseen || sights[i].evenness >= kSteep) continue;
         const float beyond = beyondMeters(cells[i].cell, *sights[i].steepest);
         if (beyond > 0.0f) verdicts[i].unseen = sights[i].steepest;
-        if (!tree_.canHalve(cells[i].cell, std::max(finestOf(cells[i]), beyond))) continue;
-        verdicts[i].halve = roomIn(cells[i]) == kInfinity;
+        const float room = roomIn(cells[i]);
+        if (!tree_.canHalve(cells[i].cell, std::max(finestIn(room), beyond))) continue;
+        verdicts[i].halve = room == kInfinity;
         if (verdicts[i].halve) continue;
         steep.push_back(i);
         places.push_back(*sights[i].steepest);
@@ -334,7 +334,7 @@ Status RoomSearch::compareLight(std::span<const RoomCell> cells, std::span<const
     std::vector<uint32_t> places;
     for (std::size_t i = 0; i < cells.size(); ++i) {
         if (verdicts[i].halve || !sights[i].hidden ||
-            !tree_.canHalve(cells[i].cell, std::max(2.0f * kFinestMeters, finestOf(cells[i]))))
+            !tree_.canHalve(cells[i].cell, std::max(2.0f * kFinestMeters, finestIn(roomIn(cells[i])))))
             continue;
         std::vector<const Probe*> corners;
         for (const uint32_t corner : sights[i].corners) corners.push_back(&probes[corner]);

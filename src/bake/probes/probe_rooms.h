@@ -80,7 +80,7 @@ private:
     Status findOutside(std::vector<uint32_t> places, float dark, const Progress& progress);
     [[nodiscard]] Result<std::vector<uint8_t>> clearOf(std::span<const uint32_t> places) const;
     [[nodiscard]] float roomIn(const RoomCell& cell) const;
-    [[nodiscard]] float finestOf(const RoomCell& cell) const;
+    [[nodiscard]] static float finestIn(float room);
     [[nodiscard]] float beyondMeters(const ProbeTree::Cell& cell, uint32_t i) const;
     Status checkSteep(std::span<const RoomCell> cells, std::span<const Sight> sights, float dark,
                       std::vector<Verdict>& verdicts, const Progress& progress) const;

@@ -30,7 +30,7 @@ void addLevel(const ImageRgb32f& from, int fromSize, int fromTop, vec3 weight, i
 ReflectionSet composedReflections(const BakedScene& baked, std::span<const vec3> weights)
 {
     ReflectionSet set = baked.reflections;
-    if (set.probes.empty() || baked.groups.empty()) return set;
+    if (set.probes.empty()) return set;
     ImageRgb32f picture = decodeRgb9e5(set.picture, set.unitNits);
     for (std::size_t g = 0; g < baked.groups.size(); ++g) {
         const ReflectionSet& own = baked.groups[g].reflections;

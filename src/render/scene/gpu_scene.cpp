@@ -4,7 +4,6 @@
 
 #include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
-#include "halflight/render/compose.h"
 #include "halflight/render/frame.h"
 #include "render/frame/frame_internal.h"
 #include "render/scene/mipmaps.h"
@@ -307,6 +306,7 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages
         result.lightmapDirections =
             uploadPages(device, uploader, baked.lightmapDirections, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(128));
         result.lightmapUnitLux = baked.lightmapUnitLux;
+        result.reflections = uploadReflections(device, uploader, baked.reflections);
     }
     result.dynamicLightmaps =
         uploadPages(device, uploader, std::vector<Image<uint32_t>>(), VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
@@ -334,7 +334,6 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages
     });
     result.objects = uploadVector(device, uploader, objects, kStorage);
     result.sky = uploadSky(device, uploader, scene.sky);
-    result.reflections = uploadReflections(device, uploader, composedReflections(baked, result.groups.weights));
     uploader.finish();
     return result;
 }

@@ -4,6 +4,7 @@
 #include "halflight/base/rgb9e5.h"
 #include "halflight/render/compose.h"
 #include "render/scene/gpu_scene.h"
+#include "render/scene/upload_pages.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,25 +19,6 @@ constexpr VkFormat kRgb9e5 = VK_FORMAT_E5B9G9R9_UFLOAT_PACK32;
 constexpr VkFormat kRgb9e5AsNumbers = VK_FORMAT_R32_UINT;
 constexpr VkFormat kDirectionFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr float kHalfOfRange = 32704.0f; ///< kMaxRgb9e5 / 2
-
-template<typename Texel> gpu::Image uploadLayers(gpu::Device& device, gpu::Uploader& uploader,
-                                                 const std::vector<const Image<Texel>*>& layers, VkFormat format)
-{
-    const ivec2 size = layers.empty() ? ivec2(1) : layers[0]->size();
-    const Texel none{};
-    gpu::Image image(device, {.format = format,
-                              .width = uint32_t(size.x),
-                              .height = uint32_t(size.y),
-                              .layers = std::max(uint32_t(layers.size()), 1u),
-                              .array = true,
-                              .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
-    std::vector<gpu::Uploader::Level> levels;
-    for (std::size_t i = 0; i < layers.size(); ++i) levels.push_back({0, uint32_t(i), layers[i]->data()});
-    if (layers.empty()) levels.push_back({0, 0, &none});
-    uploader.image(image, levels, sizeof(Texel));
-    uploader.finish();
-    return image;
-}
 
 } // namespace
 
@@ -68,8 +50,8 @@ GroupPages::GroupPages(gpu::Device& device, gpu::Uploader& uploader, const Baked
     };
     add(baked.lightmaps, baked.lightmapDirections, baked.lightmapUnitLux);
     for (const BakedGroup& group : baked.groups) add(group.lightmaps, group.directions, group.unitLux);
-    pages_ = uploadLayers(device, uploader, pages, kRgb9e5);
-    directions_ = uploadLayers(device, uploader, directions, kDirectionFormat);
+    pages_ = uploadLayers(device, uploader, pages, kRgb9e5, uint32_t(0));
+    directions_ = uploadLayers(device, uploader, directions, kDirectionFormat, u8vec4(0));
 }
 
 gpu::Image GroupPages::makeLight(const gpu::Device& device, VkFormat format) const
@@ -153,6 +135,7 @@ void uploadGroups(gpu::Device& device, gpu::Uploader& uploader, const BakedScene
     scene.lightmaps = state.pages.makeLight(device, composedFormat(device));
     scene.lightmapDirections = state.pages.makeDirections(device);
     for (const BakedGroup& group : baked.groups) state.weights.push_back(group.weight);
+    scene.reflections = uploadReflections(device, uploader, composedReflections(baked, state.weights));
     pagesOfGroupsChanged(scene);
     state.saved.lights = baked.scene.lights;
     state.saved.materials = baked.scene.materials;

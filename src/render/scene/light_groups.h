@@ -70,8 +70,8 @@ struct GroupState {
     SphericalHarmonicsL2 savedSky{}; ///< skyProbe() of the saved sky
 };
 
-/// Makes the images of lightmap and directions, to be composed, and lights the probes. `scene` has its outline and its
-/// probes.
+/// Makes the images of lightmap and directions, to be composed, and lights probes and reflection probes. `scene` has
+/// its outline and its probes.
 void uploadGroups(gpu::Device& device, gpu::Uploader& uploader, const BakedScene& baked, GpuScene& scene);
 /// Sets one weight, by the name of its group; InvalidArgument as groupWeights() has it.
 Status setGroupWeight(GpuScene& scene, const std::string& name, vec3 weight);

@@ -19,15 +19,7 @@ protected:
         settings.size = {192, 108};
         settings.shadows.directionalMapSize = 512;
     }
-    RenderedFrame draw()
-    {
-        auto frame = renderer->render(camera, settings);
-        if (!frame) {
-            ADD_FAILURE() << frame.error().text();
-            return {ImageRgba32f(settings.size.x, settings.size.y), {}, {}};
-        }
-        return std::move(*frame);
-    }
+    RenderedFrame draw() { return render(camera, settings); }
     void set(const std::vector<GroupWeight>& changes)
     {
         for (const GroupWeight& change : changes) ASSERT_TRUE(renderer->setLightGroup(change.name, change.weight));

@@ -20,15 +20,7 @@ protected:
         settings.size = {96, 54};
         settings.shadows.directionalMapSize = 256;
     }
-    RenderedFrame draw()
-    {
-        auto frame = renderer->render(camera, settings);
-        if (!frame) {
-            ADD_FAILURE() << frame.error().text();
-            return {ImageRgba32f(settings.size.x, settings.size.y), {}, {}};
-        }
-        return std::move(*frame);
-    }
+    RenderedFrame draw() { return render(camera, settings); }
     vec3 weightOf(const std::string& name)
     {
         for (const GroupWeight& group : renderer->lightGroups())
