@@ -208,10 +208,10 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         }
     }
     applyOptions(options, *scene);
-    const Result<IntegratorFactory> integrators = integratorsOn(options.device);
+    const Result<IntegratorFactory> integrators = integratorsOn(options.device, *scene, options.bake);
     if (!integrators) {
         display.reset();
-        return fail("--device " + options.device, integrators.error());
+        return fail("--device " + options.device.device, integrators.error());
     }
     std::optional<FinishedBake> finished;
     // A .gltf is more than one file, of which any may have changed since.

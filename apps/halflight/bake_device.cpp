@@ -1,36 +1,23 @@
 #include "bake_device.h"
 
+#include "console.h"
+
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/parallel.h"
 #if HALFLIGHT_GPU
 #include "halflight/bake_gpu/gpu_integrator.h"
 #endif
 
 #include <map>
 #include <memory>
+#include <utility>
 
 namespace halflight::cli {
 namespace {
 
 constexpr std::string_view kNamed = "gpu:";
 
-#if HALFLIGHT_GPU
-/// Devices stay open as long as the program, and are never closed: a farm's worker bakes more than one scene, and
-/// drivers are torn down before the program's own objects.
-Result<std::shared_ptr<BakeDevice>> opened(const std::string& name)
-{
-    static auto& devices = *new std::map<std::string, std::shared_ptr<BakeDevice>>;
-    std::shared_ptr<BakeDevice>& device = devices[name];
-    if (device == nullptr) {
-        auto made = openBakeDevice({.name = name});
-        if (!made) return made.error();
-        device = std::move(*made);
-    }
-    return device;
-}
-#endif
-
-} // namespace
-
+/// What is wrong with a value of --device, as a sentence; empty when nothing is.
 std::string wrongBakeDevice(const std::string& device)
 {
     if (device == "auto" || device == "cpu" || device == "gpu") return {};
@@ -38,24 +25,76 @@ std::string wrongBakeDevice(const std::string& device)
     return "is auto, cpu, gpu, or gpu: and part of a device's name";
 }
 
-Result<IntegratorFactory> integratorsOn(const std::string& device)
-{
-    if (!device.starts_with("gpu")) return embreeIntegrators();
 #if HALFLIGHT_GPU
-    auto made = opened(device == "gpu" ? std::string() : device.substr(kNamed.size()));
-    if (!made) return made.error();
-    return gpuIntegrators(*made);
-#else
-    return Error{ErrorCode::Unsupported, "this program was built without Vulkan: it bakes with --device cpu"};
+/// Devices stay open as long as the program, and are never closed: a farm's worker bakes more than one scene, and
+/// drivers are torn down before the program's own objects.
+Result<std::shared_ptr<BakeDevice>> opened(const std::string& name, int memoryMegabytes)
+{
+    static auto& devices = *new std::map<std::pair<std::string, int>, std::shared_ptr<BakeDevice>>;
+    std::shared_ptr<BakeDevice>& device = devices[{name, memoryMegabytes}];
+    if (device == nullptr) {
+        auto made = openBakeDevice({.name = name, .mostBytes = uint64_t(memoryMegabytes) << 20});
+        if (!made) return made.error();
+        device = std::move(*made);
+    }
+    return device;
+}
+
+/// Whether a GPU saves more seconds than it takes to open it, to upload the scene and to copy results: about one. A
+/// thread of a server's processor spends a second on 1.3 million samples that a GPU would take, denoising included
+/// (docs/lab/gpu.md). Path tracing stays on the processor.
+bool isWorthAGpu(const Scene& scene, const BakeSettings& settings)
+{
+    constexpr double kSamplesOfAThread = 1.3e6; // a second
+    constexpr double kSecondsOfAGpu = 1.0;
+    if (settings.integrator == IntegratorKind::Path) return false;
+    const ThreadLimit limit(settings.threads);
+    return expectedSamples(scene, settings) > kSamplesOfAThread * double(threadCount()) * kSecondsOfAGpu;
+}
 #endif
+
+} // namespace
+
+void addDeviceOptions(CLI::App& app, const char* name, DeviceChoice& choice)
+{
+    app.add_option(name, choice.device,
+                   "what traces the bake's rays: cpu, gpu, or gpu:NAME by part of its name (default auto: a GPU where "
+                   "it is expected to be quicker). A GPU gathers the lightmap's light and denoises it, and the "
+                   "processor does the rest; light differs within its noise")
+        ->type_name("auto|cpu|gpu[:NAME]")
+        ->check(CLI::Validator([](const std::string& device) { return wrongBakeDevice(device); }, ""));
+    addInt(app, "--device-memory", choice.memoryMegabytes, 0, 1 << 20,
+           "the most of the GPU's memory that the bake takes, MiB; what does not fit is the processor's (default 0: no "
+           "limit)");
+}
+
+Result<IntegratorFactory> integratorsOn(const DeviceChoice& choice, [[maybe_unused]] const Scene& scene,
+                                        [[maybe_unused]] const BakeSettings& settings)
+{
+    const bool isAsked = choice.device.starts_with("gpu");
+#if HALFLIGHT_GPU
+    if (!isAsked && (choice.device == "cpu" || !isWorthAGpu(scene, settings))) return embreeIntegrators();
+    const bool isNamed = choice.device.starts_with(kNamed);
+    auto made = opened(isNamed ? choice.device.substr(kNamed.size()) : std::string(), choice.memoryMegabytes);
+    if (made) return gpuIntegrators(*made);
+    if (isAsked) return made.error();
+#else
+    if (isAsked)
+        return Error{ErrorCode::Unsupported, "this program was built without Vulkan: it bakes with --device cpu"};
+#endif
+    return embreeIntegrators();
 }
 
 std::string bakeDeviceText()
 {
 #if HALFLIGHT_GPU
-    auto device = opened({});
-    if (!device) return "bakes on the processor alone: " + device.error().message;
-    return "bakes on " + describe(**device) + " with --device gpu";
+    const Result<std::vector<DeviceDescription>> devices = bakeDevices();
+    if (!devices) return "bakes on the processor alone: " + devices.error().message;
+    std::string text = "bakes on the processor";
+    for (const DeviceDescription& device : *devices)
+        text += device.refusal.empty() ? "\nbakes on " + device.name
+                                       : "\ndoes not bake on " + device.name + ": it " + device.refusal;
+    return text;
 #else
     return "bakes on the processor alone";
 #endif

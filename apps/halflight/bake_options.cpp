@@ -130,11 +130,7 @@ void addFormatOptions(CLI::App& app, BakeOptions& options)
 void addRunOptions(CLI::App& app, BakeOptions& options)
 {
     app.option_defaults()->group("Run");
-    app.add_option("--device", options.device,
-                   "what traces rays: cpu, gpu, or gpu:NAME by part of its name (default auto: cpu). A GPU gathers the "
-                   "lightmap's light and denoises it, and the processor does the rest; light differs within its noise")
-        ->type_name("auto|cpu|gpu[:NAME]")
-        ->check(CLI::Validator([](const std::string& device) { return wrongBakeDevice(device); }, ""));
+    addDeviceOptions(app, "--device", options.device);
     addInt(app, "--threads", options.bake.threads, 0, 4096, "0 = all cores; changes no byte of the result (default 0)");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Parts of `halflight bake`: its options, the check of its paths, what it prints.
 
+#include "bake_device.h"
 #include "console.h"
 
 #include "halflight/bake/bake.h"
@@ -36,7 +37,7 @@ struct BakeOptions {
     vec3 skyNits{0.0f};
     bool skyGiven = false;
     std::optional<EmissionUnit> emissionUnit;
-    std::string device = "auto"; ///< see integratorsOn()
+    DeviceChoice device;
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false;
     bool json = false;

@@ -87,9 +87,11 @@ std::vector<std::string> lightWarnings(const BakeReport& report)
 
 void printBakeSummary(const BakeOptions& options, const BakeReport& report)
 {
-    print("{}: {} in {}, peak memory {}, {}\n", options.output.string(),
+    const std::string onDevice =
+        report.peakDeviceBytes > 0 ? fmt::format(" and {} of the GPU's", megabytes(report.peakDeviceBytes)) : "";
+    print("{}: {} in {}, peak memory {}{}, {}\n", options.output.string(),
           options.exportStyle ? nameOf(*options.exportStyle) : nameOf(options.bake.mode), clockTime(report.seconds),
-          megabytes(report.peakMemoryBytes), report.integrator);
+          megabytes(report.peakMemoryBytes), onDevice, report.integrator);
     printLights(report);
 
     print("\nlightmap   {} page{} of {} x {}, {:.0f} % filled\n", report.pageCount, report.pageCount == 1 ? "" : "s",

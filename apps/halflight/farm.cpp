@@ -46,7 +46,7 @@ Result<BakeReport> workOnScene(const WorkOptions& options, const FarmPlan& plan,
     line.options.bake.mixedIdentities = planned.bake.identity == kMixedIdentities;
     Result<Scene> scene = sceneOf(line);
     if (!scene) return scene.error();
-    const Result<IntegratorFactory> integrators = integratorsOn(line.options.device);
+    const Result<IntegratorFactory> integrators = integratorsOn(line.options.device, *scene, line.options.bake);
     if (!integrators) return integrators.error();
     return workOnFarm(std::move(*scene), line.options.bake, planned.bake, work, plan.compares, *integrators, progress);
 }
@@ -138,7 +138,7 @@ Status checkScene(const BakeLine& line, const PlannedScene& planned)
     if (!scene) return scene.error();
     applyOptions(options, *scene);
     if (Status status = checkFarmInputs(*scene, options.bake, planned.bake); !status) return status;
-    const Result<IntegratorFactory> integrators = integratorsOn(options.device);
+    const Result<IntegratorFactory> integrators = integratorsOn(options.device, *scene, options.bake);
     if (!integrators) return integrators.error();
     return checkFarmIdentity(options.bake, planned.bake, *integrators);
 }

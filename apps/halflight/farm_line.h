@@ -20,6 +20,8 @@ struct BakeLine {
         program.allow_windows_style_options(false);
         app = &addBakeApp(program, options);
         program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+        // All machines of a farm have a processor.
+        if (options.device.device == "auto") options.device.device = "cpu";
     }
 };
 

@@ -135,7 +135,7 @@ Status planScene(const PlanOptions& options, const fs::path& file, const std::ve
     line.options.bake.mixedIdentities = options.bake.bake.mixedIdentities;
     Result<Scene> scene = sceneOf(line);
     if (!scene) return scene.error();
-    const Result<IntegratorFactory> integrators = integratorsOn(line.options.device);
+    const Result<IntegratorFactory> integrators = integratorsOn(line.options.device, *scene, line.options.bake);
     if (!integrators) return integrators.error();
     Result<FarmBake> bake = planFarm(std::move(*scene), line.options.bake, *integrators, progress);
     if (!bake) return bake.error();

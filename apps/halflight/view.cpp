@@ -52,6 +52,7 @@ Command addViewCommand(CLI::App& parent, std::function<int(const ViewCommandOpti
     app.add_option("--cache", options->bake.bake.cacheDirectory,
                    "folder of finished tiles: later bakes compute only what a change reaches")
         ->type_name("DIR");
+    addDeviceOptions(app, "--bake-device", options->bake.device);
     app.option_defaults()->group("Run");
     app.add_option("--screenshots", options->screenshots, "folder of screenshots (default: the current one)")
         ->type_name("DIR");

@@ -1,5 +1,6 @@
 // halflight-view: the window.
 
+#include "bake_device.h"
 #include "interrupt.h"
 #include "program.h"
 #include "terminal.h"
@@ -45,6 +46,9 @@ int openWindow(const ViewCommandOptions& given)
     view.toneMapping = render.toneMapping;
     view.shadowDistanceGiven = render.shadowDistanceGiven;
     view.bake = options.bake.bake;
+    view.integrators = [choice = options.bake.device](const Scene& scene, const BakeSettings& bake) {
+        return integratorsOn(choice, scene, bake);
+    };
     view.bakeAtStart = options.bakeAtStart;
     view.screenshots = options.screenshots;
     view.frames = options.frames;

@@ -68,7 +68,7 @@ def draw_details(layout, settings):
         ("lightmap_size", "two_sided", "directional", "shadowmask_encoding"),
         ("probe_layout", "probe_spacing"),
         ("bake_materials", "material_size"),
-        ("units", "threads"),
+        ("units", "device", "threads"),
     )
     for names in groups:
         column = layout.column(align=True)

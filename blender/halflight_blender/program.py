@@ -138,7 +138,7 @@ def bake_arguments(settings, files, only=()):
     arguments += ["--directional", "on" if settings.directional else "off"]
     arguments += ["--shadowmask-encoding", settings.shadowmask_encoding, "--probe-layout", settings.probe_layout]
     arguments += ["--two-sided", settings.two_sided]
-    arguments += ["--seed", str(settings.seed), "--threads", str(settings.threads)]
+    arguments += ["--seed", str(settings.seed), "--threads", str(settings.threads), "--device", settings.device]
     given = (
         ("--texels-per-meter", settings.texels_per_meter),
         ("--lightmap-size", settings.lightmap_size),

@@ -288,6 +288,15 @@ class BakeSettings(bpy.types.PropertyGroup):
     material_size: bpy.props.IntProperty(
         name="Picture Size", description="Texels of each of these pictures, along each side", default=1024, min=16, max=8192
     )
+    device: bpy.props.EnumProperty(
+        name="Device",
+        description="What traces the rays. A GPU gathers the lightmap's light and denoises it",
+        items=[
+            ("auto", "Automatic", "A GPU where it is expected to be quicker"),
+            ("cpu", "Processor", "The processor alone: the same bytes on all machines of one kind"),
+            ("gpu", "GPU", "The best GPU that traces rays by Vulkan"),
+        ],
+    )
     threads: bpy.props.IntProperty(name="Threads", description="0: all cores", min=0, max=4096)
     seed: bpy.props.IntProperty(name="Seed", description="Of the random numbers", default=1, min=0)
     units: bpy.props.EnumProperty(

@@ -82,7 +82,7 @@ def digest(scene, depsgraph):
         if scene.world.use_nodes:
             nodes(scene.world.node_tree)
     settings = scene.halflight
-    left_out = {"rna_type", "name", "baked_digest", "summary", "view_of", "output", "show_view", "threads"}
+    left_out = {"rna_type", "name", "baked_digest", "summary", "view_of", "output", "show_view", "device", "threads"}
     left_out |= {"baked_objects", "folder"}
     names = [p.identifier for p in settings.bl_rna.properties if p.identifier not in left_out]
     add(extras(scene), [getattr(settings, name) for name in names])

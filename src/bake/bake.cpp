@@ -278,22 +278,11 @@ std::string cacheWarning(const std::filesystem::path& folder, const Error& error
     return "the cache " + folder.string() + " is not complete, so the next bake computes more: " + error.message;
 }
 
-Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
-                        const Progress& progress)
-{
-    if (integratorFactory.instead == nullptr)
-        return bake(std::move(scene), settings, integratorFactory, progress, nullptr);
-    Result<BakeResult> result = bake(scene, settings, integratorFactory, progress, nullptr);
-    if (result || result.error().code != ErrorCode::DeviceFailed) return result;
-    // Nothing of the device is kept: the bytes are those of a bake without it.
-    const std::string lost = "the GPU failed, and the processor baked instead: " + result.error().message;
-    result = bake(std::move(scene), settings, *integratorFactory.instead, progress);
-    if (result) result->report.warnings.push_back(lost);
-    return result;
-}
+namespace {
 
-Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
-                        const Progress& progress, LiveLight* live)
+/// bake() with one kind of integrators.
+Result<BakeResult> bakeWith(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
+                            const Progress& progress, LiveLight* live)
 {
     const auto start = StageTimer::Clock::now();
     const double began = secondsNow(settings);
@@ -334,7 +323,30 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     run.noteImages(dumpResult(settings, result.baked, images));
     run.noteImages(images.commit());
     report.peakMemoryBytes = halflight::peakMemoryBytes();
+    if (integratorFactory.peakDeviceBytes) report.peakDeviceBytes = integratorFactory.peakDeviceBytes();
     report.seconds = std::chrono::duration<double>(StageTimer::Clock::now() - start).count();
+    return result;
+}
+
+} // namespace
+
+Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
+                        const Progress& progress)
+{
+    return bake(std::move(scene), settings, integratorFactory, progress, nullptr);
+}
+
+Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
+                        const Progress& progress, LiveLight* live)
+{
+    if (integratorFactory.instead == nullptr)
+        return bakeWith(std::move(scene), settings, integratorFactory, progress, live);
+    Result<BakeResult> result = bakeWith(scene, settings, integratorFactory, progress, live);
+    if (result || result.error().code != ErrorCode::DeviceFailed) return result;
+    // Nothing of the device is kept: the bytes are those of a bake without it.
+    const std::string lost = "the GPU failed, and the processor baked instead: " + result.error().message;
+    result = bakeWith(std::move(scene), settings, *integratorFactory.instead, progress, live);
+    if (result) result->report.warnings.push_back(lost);
     return result;
 }
 

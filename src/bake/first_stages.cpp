@@ -35,14 +35,7 @@ Result<UnwrappedScene> unwrapOrTake(const BakeRun& run, Scene scene, SourceTree&
 {
     UnwrappedScene taken;
     if (kept && takeUnwrapped(*kept, scene, taken)) return taken;
-    UnwrapSettings settings;
-    settings.uvMode = run.settings.uvMode;
-    settings.texelsPerMeter = run.settings.texelsPerMeter;
-    settings.pageSize = run.report().quality.lightmapSize;
-    settings.paddingTexels = run.settings.paddingTexels;
-    settings.cutPage = run.settings.lightmapSize == 0;
-    if (run.settings.lightmapSize == 0 && run.settings.texelsPerMeter == 0.0f)
-        settings.mostTexelsPerMeter = sceneDensity(scene, settings.pageSize);
+    const UnwrapSettings settings = unwrapSettings(scene, run.settings);
     Result<UnwrappedScene> unwrapped =
         unwrap(std::move(scene), settings, run.progress, hiddenSidesTest(tree), sheetTest);
     if (!tree.status()) return tree.status().error();

@@ -23,7 +23,11 @@
 namespace halflight {
 
 BakeDevice::BakeDevice(const BakeDeviceOptions& options)
-    : device_({.validation = options.validation, .rayTracing = true, .name = options.name, .fails = options.fails}),
+    : device_({.validation = options.validation,
+               .rayTracing = true,
+               .name = options.name,
+               .mostBytes = options.mostBytes,
+               .fails = options.fails}),
       nearest_(device_, {bake_nearest_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
                sizeof(TracePush)),
       fronts_(device_, {bake_fronts_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
@@ -80,6 +84,18 @@ Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& opti
 {
     try {
         return std::make_shared<BakeDevice>(options);
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+}
+
+Result<std::vector<DeviceDescription>> bakeDevices()
+{
+    try {
+        std::vector<DeviceDescription> devices;
+        for (gpu::Device::Description& device : gpu::Device::list({.rayTracing = true}))
+            devices.push_back({std::move(device.name), std::move(device.refusal)});
+        return devices;
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }

@@ -208,6 +208,8 @@ Result<Signals> denoisedOnDevice(BakeDevice& device, const DenoiserInput& input,
         };
         if (seconds != nullptr) *seconds = {between(0), between(1), between(2), between(3)};
         return signals;
+    } catch (const gpu::LimitReached& reached) {
+        return Error{ErrorCode::Unsupported, reached.what()};
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }

@@ -43,7 +43,8 @@ IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device)
         return device->identity() + "-" + *cpu;
     };
     return {make, identity, std::make_shared<const IntegratorFactory>(embreeIntegrators()),
-            [device](const DenoiserInput& input) { return denoisedOnDevice(*device, input); }};
+            [device](const DenoiserInput& input) { return denoisedOnDevice(*device, input); },
+            [device] { return device->device().memory().peakBytes(); }};
 }
 
 } // namespace halflight

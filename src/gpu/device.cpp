@@ -13,7 +13,7 @@ Device::Device(const DeviceOptions& options) : fails_(options.fails)
             pickPhysicalDevice(options);
             createDevice(options);
         }
-        prepareCommands(options.rayTracing && !options.handles);
+        prepareCommands(options.rayTracing && !options.handles, options.mostBytes);
     } catch (...) {
         destroy();
         throw;
@@ -95,11 +95,11 @@ void Device::loadDeviceFunctions()
 #undef HALFLIGHT_VULKAN_LOAD
 }
 
-void Device::prepareCommands(bool addresses)
+void Device::prepareCommands(bool addresses, VkDeviceSize mostBytes)
 {
     VkPhysicalDeviceMemoryProperties memoryProperties;
     vk.GetPhysicalDeviceMemoryProperties(physical_, &memoryProperties);
-    memory_ = std::make_unique<Memory>(vk, device_, memoryProperties, addresses, fails_);
+    memory_ = std::make_unique<Memory>(vk, device_, memoryProperties, addresses, mostBytes, fails_);
 
     const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                            .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,

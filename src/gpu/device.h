@@ -33,6 +33,7 @@ struct DeviceOptions {
     std::string name;        ///< part of the device's or driver's name; empty: the best one, for rays a GPU alone
     std::vector<std::string> instanceExtensions; ///< enabled besides the device's own
     std::vector<std::string> deviceExtensions;
+    VkDeviceSize mostBytes = 0; ///< of the device's own memory that may be taken; 0 = no limit
     /// For tests: asked before memory is taken and before commands are submitted. True: it fails as if the device had
     /// no memory left, or was lost.
     std::function<bool()> fails;
@@ -45,6 +46,12 @@ public:
     /// Throws Failure when there is no loader, no driver, or no Vulkan 1.3 device with the features named in
     /// device.cpp.
     explicit Device(const DeviceOptions& options);
+    struct Description {
+        std::string name;    ///< with its driver's name and version
+        std::string refusal; ///< why `options` do not take it, as what follows its name; empty: they may
+    };
+    /// All devices, the best one first. Throws Failure where there is no loader.
+    static std::vector<Description> list(const DeviceOptions& options);
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -79,6 +86,7 @@ public:
     [[nodiscard]] std::vector<std::string> validationMessages() const;
 
 private:
+    Device() = default;
     struct Messages {
         std::mutex mutex;
         std::vector<std::string> texts;
@@ -88,6 +96,7 @@ private:
     void createInstance(const DeviceOptions& options);
     struct Candidate {
         VkPhysicalDeviceProperties properties{};
+        std::string driver; ///< its name and version
         uint32_t queueFamily = 0;
         uint32_t timestampBits = 0;
         bool anisotropy = false;
@@ -100,7 +109,7 @@ private:
     void use(const Handles& handles);
     void loadInstanceFunctions();
     void loadDeviceFunctions();
-    void prepareCommands(bool addresses);
+    void prepareCommands(bool addresses, VkDeviceSize mostBytes);
     void destroy();
     void closeLoader();
 

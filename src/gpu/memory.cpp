@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace halflight::gpu {
@@ -61,8 +62,8 @@ Allocation::~Allocation()
 }
 
 Memory::Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties, bool addresses,
-               std::function<bool()> fails)
-    : vk_(vk), device_(device), properties_(properties), addresses_(addresses), fails_(std::move(fails))
+               VkDeviceSize most, std::function<bool()> fails)
+    : vk_(vk), device_(device), properties_(properties), addresses_(addresses), most_(most), fails_(std::move(fails))
 {}
 
 Memory::~Memory()
@@ -73,6 +74,18 @@ Memory::~Memory()
 void Memory::destroyBlock(Block& block)
 {
     vk_.FreeMemory(device_, block.memory, nullptr);
+    if (isOnDevice(block.type)) bytes_ -= block.size;
+}
+
+bool Memory::isOnDevice(uint32_t type) const
+{
+    return (properties_.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
+}
+
+VkDeviceSize Memory::peakBytes() const
+{
+    const std::lock_guard lock(mutex_);
+    return peakBytes_;
 }
 
 Memory::Block& Memory::addBlock(uint32_t type, VkDeviceSize size, bool image, bool dedicated)
@@ -85,6 +98,7 @@ Memory::Block& Memory::addBlock(uint32_t type, VkDeviceSize size, bool image, bo
                                     .memoryTypeIndex = type};
     auto block = std::make_unique<Block>();
     check(vk_.AllocateMemory(device_, &info, nullptr, &block->memory), "allocate memory");
+    if (isOnDevice(type)) peakBytes_ = std::max(peakBytes_, bytes_ += size);
     block->type = type;
     block->image = image;
     block->dedicated = dedicated;
@@ -143,10 +157,13 @@ Allocation Memory::allocate(const VkMemoryRequirements& requirements, MemoryUse 
             if (block->type == types.front() && block->image == image && !block->dedicated)
                 if (auto offset = carve(*block)) return make(*block, *offset);
 
+    const VkDeviceSize bytes = dedicated ? requirements.size : kBlockBytes;
+    if (most_ > 0 && isOnDevice(types.front()) && bytes_ + bytes > most_)
+        throw LimitReached("it takes more than " + std::to_string(most_ >> 20) + " MiB of the device's memory");
     // A full heap is not the end where another memory type will do.
     for (std::size_t i = 0;; ++i) {
         try {
-            Block& block = addBlock(types[i], dedicated ? requirements.size : kBlockBytes, image, dedicated);
+            Block& block = addBlock(types[i], bytes, image, dedicated);
             return make(block, *carve(block));
         } catch (const Failure&) {
             if (i + 1 == types.size()) throw;

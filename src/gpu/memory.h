@@ -46,9 +46,9 @@ enum class MemoryUse {
 class Memory {
 public:
     /// `addresses`: buffers may have device addresses (feature bufferDeviceAddress).
-    /// `fails`: DeviceOptions::fails.
+    /// `most`: DeviceOptions::mostBytes. `fails`: DeviceOptions::fails.
     Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties, bool addresses,
-           std::function<bool()> fails);
+           VkDeviceSize most, std::function<bool()> fails);
     ~Memory();
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
@@ -56,6 +56,8 @@ public:
     /// Allocations may be made and dropped on any thread. `image`: optimally tiled images and buffers never share a
     /// block, so bufferImageGranularity never matters.
     Allocation allocate(const VkMemoryRequirements& requirements, MemoryUse use, bool image);
+    /// The most that was taken of the device's own memory at one time, bytes.
+    [[nodiscard]] VkDeviceSize peakBytes() const;
 
 private:
     friend class Allocation;
@@ -74,14 +76,18 @@ private:
     Block& addBlock(uint32_t type, VkDeviceSize size, bool image, bool dedicated);
     void release(Allocation& allocation);
     void destroyBlock(Block& block);
+    [[nodiscard]] bool isOnDevice(uint32_t type) const;
 
     const Functions& vk_;
     VkDevice device_;
     VkPhysicalDeviceMemoryProperties properties_;
     bool addresses_;
+    VkDeviceSize most_;
     std::function<bool()> fails_;
-    std::mutex mutex_; ///< guards blocks_
+    mutable std::mutex mutex_; ///< guards what follows
     std::vector<std::unique_ptr<Block>> blocks_;
+    VkDeviceSize bytes_ = 0; ///< of blocks in the device's own memory
+    VkDeviceSize peakBytes_ = 0;
 };
 
 } // namespace halflight::gpu

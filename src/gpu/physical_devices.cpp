@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 namespace halflight::gpu {
 namespace {
@@ -125,6 +126,7 @@ std::string Device::refusalOf(VkPhysicalDevice device, const DeviceOptions& opti
     if (out.properties.apiVersion < VK_API_VERSION_1_3) return "is older than Vulkan 1.3";
     all.pNext = &driver;
     table_.GetPhysicalDeviceProperties2(device, &all);
+    out.driver = std::string(driver.driverName) + " " + driver.driverInfo;
     if (!options.name.empty() && !isNamed(out.properties, driver, options.name)) return "has another name";
     if (options.rayTracing && options.name.empty() && out.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU)
         return "is a driver for the CPU";
@@ -143,6 +145,26 @@ std::string Device::refusalOf(VkPhysicalDevice device, const DeviceOptions& opti
     out.queueFamily = *family;
     out.anisotropy = features.all.features.samplerAnisotropy;
     return {};
+}
+
+std::vector<Device::Description> Device::list(const DeviceOptions& options)
+{
+    Device shell;
+    shell.createInstance(options);
+    std::vector<std::pair<int, Description>> all;
+    for (VkPhysicalDevice device : shell.physicalDevices()) {
+        Candidate candidate;
+        Description description;
+        description.refusal = shell.refusalOf(device, options, candidate);
+        description.name = candidate.properties.deviceName;
+        if (!candidate.driver.empty()) description.name += ", " + candidate.driver;
+        const int score = description.refusal.empty() ? preference(candidate.properties.deviceType, false) : -1;
+        all.emplace_back(score, std::move(description));
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<Description> sorted;
+    for (auto& [score, description] : all) sorted.push_back(std::move(description));
+    return sorted;
 }
 
 void Device::pickPhysicalDevice(const DeviceOptions& options)

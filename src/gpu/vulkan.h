@@ -18,6 +18,11 @@ struct Failure : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// DeviceOptions::mostBytes do not suffice.
+struct LimitReached : Failure {
+    using Failure::Failure;
+};
+
 /// The result's name, e.g. "VK_ERROR_DEVICE_LOST".
 std::string resultName(VkResult result);
 

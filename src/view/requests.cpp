@@ -1,7 +1,6 @@
 // What panels and keys ask for.
 #include "view/viewer.h"
 
-#include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/files_in_use.h"
 #include "halflight/scene/gltf.h"
@@ -187,7 +186,7 @@ Status Viewer::answer(Action action)
         if (shown_.isUploading())
             requests_.push_back(action); // of what is shown then
         else if (!bake_.runs())
-            bake_.start(std::make_unique<BakeSession>(*edited_.snapshot(), state_.bake, embreeIntegrators()));
+            bake_.start(std::make_unique<BakeSession>(*edited_.snapshot(), state_.bake, options_.integrators));
         break;
     case Action::CancelBake:
         bake_.cancel();

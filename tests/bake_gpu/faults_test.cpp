@@ -66,6 +66,38 @@ TEST_F(GpuFaults, TheProcessorBakesInsteadS6)
     }
 }
 
+/// What does not fit the memory that the device may take is the processor's: the whole bake, or the denoiser alone.
+TEST_F(GpuFaults, MemoryHasALimitS6)
+{
+    const Scene scene = room(false, true, true);
+    auto device = deviceFailingAt(0);
+    if (!device) GTEST_SKIP() << device.error().message;
+    const Result<BakeResult> whole = bake(scene, tinySettings(), gpuIntegrators(*device));
+    ASSERT_TRUE(whole) << whole.error().text();
+    EXPECT_GT(whole->report.peakDeviceBytes, uint64_t(64) << 20);
+    const Result<BakeResult> cpu = bake(scene, tinySettings(), embreeIntegrators());
+    ASSERT_TRUE(cpu);
+    EXPECT_EQ(cpu->report.peakDeviceBytes, 0u);
+    const auto says = [](const BakeResult& result, const std::string& text) {
+        const auto& warnings = result.report.warnings;
+        return std::any_of(warnings.begin(), warnings.end(),
+                           [&](const std::string& w) { return w.find(text) != std::string::npos; });
+    };
+    device = openBakeDevice({.name = testDeviceName(), .mostBytes = uint64_t(64) << 20});
+    ASSERT_TRUE(device) << device.error().message;
+    const Result<BakeResult> small = bake(scene, tinySettings(), gpuIntegrators(*device));
+    ASSERT_TRUE(small) << small.error().text();
+    EXPECT_TRUE(says(*small, "it takes more than 64 MiB of the device's memory"));
+    expectSameBakes(small->baked, cpu->baked);
+    device = openBakeDevice({.name = testDeviceName(), .mostBytes = whole->report.peakDeviceBytes});
+    ASSERT_TRUE(device) << device.error().message;
+    const Result<BakeResult> exact = bake(scene, tinySettings(), gpuIntegrators(*device));
+    ASSERT_TRUE(exact) << exact.error().text();
+    EXPECT_LE(exact->report.peakDeviceBytes, whole->report.peakDeviceBytes);
+    EXPECT_EQ(exact->report.identity, whole->report.identity);
+    expectSameBakes(exact->baked, whole->baked);
+}
+
 /// A device that cannot be opened is an error: nothing was baked yet.
 TEST_F(GpuFaults, DevicesThatFailAtOnceAreAnError)
 {

@@ -105,6 +105,9 @@ struct BakeQuality {
     bool directional = false;
 };
 BakeQuality resolveQuality(const BakeSettings& settings);
+/// About how many samples a lightmap will take, before anything of it is known: the lightmapped area at its density,
+/// times the quality's samples. Where a page limits the density, four fifths of the page are texels.
+double expectedSamples(const Scene& scene, const BakeSettings& settings);
 
 struct LightReport {
     std::string name;
@@ -194,6 +197,7 @@ struct BakeReport {
     int reflectionProbeCount = 0;
     uint64_t triangleCount = 0; ///< static, drawn
     uint64_t peakMemoryBytes = 0;
+    uint64_t peakDeviceBytes = 0; ///< of the memory of the GPU that baked; 0 = none did
     double seconds = 0.0;
 };
 

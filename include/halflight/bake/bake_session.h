@@ -41,6 +41,8 @@ public:
     /// `waits`: after the light of probes the bake waits for goOn(), so that a picture of that light gets the whole
     /// processor.
     BakeSession(Scene scene, BakeSettings settings, IntegratorFactory integratorFactory, bool waits = false);
+    /// The same with integrators that are chosen on the bake's own thread: to open a GPU takes a while.
+    BakeSession(Scene scene, BakeSettings settings, ChooseIntegrators choose, bool waits = false);
     /// Cancels and waits.
     ~BakeSession();
     BakeSession(const BakeSession&) = delete;

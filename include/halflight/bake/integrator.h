@@ -298,6 +298,12 @@ struct IntegratorFactory {
     /// Bakes anew where such an integrator fails with DeviceFailed: null = the bake fails too.
     std::shared_ptr<const IntegratorFactory> instead;
     DeviceDenoiser denoise; ///< empty: the processor denoises
+    /// The most of the device's memory that was taken at one time, bytes. Empty: there is no device.
+    std::function<uint64_t()> peakDeviceBytes;
 };
+
+struct BakeSettings;
+/// The integrators for a bake. An error ends it.
+using ChooseIntegrators = std::function<Result<IntegratorFactory>(const Scene& scene, const BakeSettings& settings)>;
 
 } // namespace halflight

@@ -3,6 +3,7 @@
 
 #include "halflight/bake/integrator.h"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@ class BakeDevice;
 struct BakeDeviceOptions {
     std::string name;        ///< part of the device's or its driver's name; empty: the best GPU, never a CPU driver
     bool validation = false; ///< Khronos validation layer with synchronization validation
+    uint64_t mostBytes = 0;  ///< of the device's own memory that may be taken; 0 = no limit
     /// For tests: asked before memory is taken and before commands are submitted. True: it fails as if the device had
     /// no memory left, or was lost.
     std::function<bool()> fails;
@@ -24,6 +26,12 @@ struct BakeDeviceOptions {
 Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options);
 /// "NVIDIA H200, NVIDIA 580.82.07".
 std::string describe(BakeDevice& device);
+struct DeviceDescription {
+    std::string name;    ///< with its driver: "NVIDIA H200, NVIDIA 580.82.07"
+    std::string refusal; ///< why it bakes only where it is named, or not at all: "lacks …"; empty: it bakes
+};
+/// All Vulkan devices, the one of an empty name first. DeviceFailed where there is no Vulkan.
+Result<std::vector<DeviceDescription>> bakeDevices();
 /// What the validation layer said so far.
 std::vector<std::string> validationMessages(BakeDevice& device);
 

@@ -57,6 +57,7 @@ struct ViewOptions {
     ToneMapping toneMapping = ToneMapping::Neutral;
     bool shadowDistanceGiven = false; ///< else it follows from the view, as in `halflight render`
     BakeSettings bake;                ///< of the Bake button
+    ChooseIntegrators integrators;    ///< of its bakes
     bool bakeAtStart = false;
     std::filesystem::path screenshots;         ///< folder of screenshots
     std::vector<int> loseDeviceAt;             ///< for tests: after so many frames the device counts as lost

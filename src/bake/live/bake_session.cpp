@@ -21,7 +21,7 @@ double secondsSince(Clock::time_point start)
 } // namespace
 
 struct BakeSession::Impl {
-    void run(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory)
+    void run(Scene scene, const BakeSettings& settings, const ChooseIntegrators& choose)
     {
         Progress progress;
         progress.cancel = &cancelled;
@@ -31,7 +31,9 @@ struct BakeSession::Impl {
             state.stage = stage;
             state.fraction = fraction;
         };
-        Result<BakeResult> baked = bake(std::move(scene), settings, factory, progress, &live);
+        const Result<IntegratorFactory> factory = choose(scene, settings);
+        Result<BakeResult> baked =
+            factory ? bake(std::move(scene), settings, *factory, progress, &live) : factory.error();
         const std::lock_guard lock(mutex);
         result = std::move(baked);
         state.finished = true;
@@ -49,12 +51,21 @@ struct BakeSession::Impl {
 };
 
 BakeSession::BakeSession(Scene scene, BakeSettings settings, IntegratorFactory integratorFactory, bool waits)
+    : BakeSession(
+          std::move(scene), std::move(settings),
+          [factory = std::move(integratorFactory)](const Scene&, const BakeSettings&) {
+              return Result<IntegratorFactory>(factory);
+          },
+          waits)
+{}
+
+BakeSession::BakeSession(Scene scene, BakeSettings settings, ChooseIntegrators choose, bool waits)
     : impl_(std::make_unique<Impl>())
 {
     impl_->live.setWaits(waits);
-    impl_->thread = std::thread(
-        [impl = impl_.get(), scene = std::move(scene), settings = std::move(settings),
-         factory = std::move(integratorFactory)]() mutable { impl->run(std::move(scene), settings, factory); });
+    impl_->thread =
+        std::thread([impl = impl_.get(), scene = std::move(scene), settings = std::move(settings),
+                     choose = std::move(choose)]() mutable { impl->run(std::move(scene), settings, choose); });
 }
 
 BakeSession::~BakeSession()

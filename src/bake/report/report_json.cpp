@@ -126,6 +126,7 @@ std::string reportJson(const BakeReport& report)
         {"identity", report.identity},
         {"seconds", report.seconds},
         {"peakMemoryBytes", report.peakMemoryBytes},
+        {"peakDeviceBytes", report.peakDeviceBytes},
         {"samplesPerTexel", report.samplesPerTexel},
         {"noise", report.noiseReached},
         {"interpolatedTexels", report.interpolatedTexels},

@@ -19,13 +19,9 @@ float metalOf(const Scene& scene, const Material& material)
     return material.metallic * float(sum / double(std::max<std::size_t>(pixels.texelCount(), 1)));
 }
 
-/// Share of the lightmapped surfaces' area that is metal, 0…1. Surfaces without a material do not count.
-float metalShare(const Scene& scene)
+/// Calls visit(object, part, square metres in the world) for all that is lightmapped.
+template<typename Visit> void forEachLightmappedPart(const Scene& scene, const Visit& visit)
 {
-    std::vector<float> metal;
-    for (const Material& material : scene.materials) metal.push_back(metalOf(scene, material));
-    double all = 0.0;
-    double ofMetal = 0.0;
     for (const Object& object : scene.objects) {
         if (!object.isStatic || object.lightmapScale <= 0.0f || object.mesh < 0) continue;
         const mat3 axes(object.worldFromObject);
@@ -37,10 +33,22 @@ float metalShare(const Scene& scene)
                 const vec3 v = axes * (part.positions[part.indices[i + 2]] - a);
                 area += 0.5 * double(glm::length(glm::cross(u, v)));
             }
-            all += area;
-            if (part.material >= 0) ofMetal += area * double(metal[std::size_t(part.material)]);
+            visit(object, part, area);
         }
     }
+}
+
+/// Share of the lightmapped surfaces' area that is metal, 0…1. Surfaces without a material do not count.
+float metalShare(const Scene& scene)
+{
+    std::vector<float> metal;
+    for (const Material& material : scene.materials) metal.push_back(metalOf(scene, material));
+    double all = 0.0;
+    double ofMetal = 0.0;
+    forEachLightmappedPart(scene, [&](const Object&, const MeshPart& part, double area) {
+        all += area;
+        if (part.material >= 0) ofMetal += area * double(metal[std::size_t(part.material)]);
+    });
     return all > 0.0 ? float(ofMetal / all) : 0.0f;
 }
 
@@ -71,6 +79,36 @@ BakeQuality resolveQuality(const BakeSettings& settings)
     q.directional = settings.directional.value_or(settings.quality != Quality::Preview);
     if (settings.lightmapSize > 0) q.lightmapSize = settings.lightmapSize;
     return q;
+}
+
+double expectedSamples(const Scene& scene, const BakeSettings& settings)
+{
+    constexpr double kFilled = 0.8; // of a page, mostly
+    const BakeQuality quality = resolveQuality(settings);
+    const double page = kFilled * double(quality.lightmapSize) * double(quality.lightmapSize);
+    const UnwrapSettings unwrap = unwrapSettings(scene, settings);
+    const double perMeter = unwrap.texelsPerMeter > 0.0f ? unwrap.texelsPerMeter : unwrap.mostTexelsPerMeter;
+    double texels = 0.0;
+    forEachLightmappedPart(scene, [&](const Object& object, const MeshPart&, double area) {
+        const double density = perMeter * double(object.lightmapScale);
+        texels += density * density * area;
+    });
+    if (perMeter == 0.0) texels = page;
+    if (unwrap.texelsPerMeter == 0.0f) texels = std::min(texels, page);
+    return texels * double(quality.samples);
+}
+
+UnwrapSettings unwrapSettings(const Scene& scene, const BakeSettings& settings)
+{
+    UnwrapSettings unwrap;
+    unwrap.uvMode = settings.uvMode;
+    unwrap.texelsPerMeter = settings.texelsPerMeter;
+    unwrap.pageSize = resolveQuality(settings).lightmapSize;
+    unwrap.paddingTexels = settings.paddingTexels;
+    unwrap.cutPage = settings.lightmapSize == 0;
+    if (settings.lightmapSize == 0 && settings.texelsPerMeter == 0.0f)
+        unwrap.mostTexelsPerMeter = sceneDensity(scene, unwrap.pageSize);
+    return unwrap;
 }
 
 BakeQuality qualityOf(const BakeSettings& settings, const Scene& scene)

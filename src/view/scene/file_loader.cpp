@@ -1,6 +1,5 @@
 #include "view/scene/file_loader.h"
 
-#include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/render/frame.h"
 #include "view/state/navigation.h"
 #include "view/state/picture_size.h"
@@ -82,7 +81,7 @@ Result<FileLoader::Content> FileLoader::read(const Opening& opening, Renderer& r
     if (!camera) return camera.error();
     content.camera = std::move(*camera);
     if (opening.isFirst && options_.bakeAtStart)
-        content.session = std::make_unique<BakeSession>(content.baked.scene, options_.bake, embreeIntegrators(), true);
+        content.session = std::make_unique<BakeSession>(content.baked.scene, options_.bake, options_.integrators, true);
     stage_ = Stage::Upload;
     if (content.session) content.light = earlyLight(*content.session);
     if (first_.ends) return ended;

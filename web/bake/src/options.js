@@ -28,6 +28,7 @@ export const OPTIONS = {
     sky: ['--sky', 'list'],
     emissionUnit: ['--emission-unit', 'word'],
     seed: ['--seed', 'word'],
+    deviceMemory: ['--device-memory', 'word'],
     threads: ['--threads', 'word'],
     lightmapFormat: ['--lightmap-format', 'word'],
     skyWidth: ['--sky-width', 'word'],

@@ -55,6 +55,8 @@ export interface BakeSettings {
     emissionUnit?: 'nits' | 'blender';
     /** of the random numbers (default 1) */
     seed?: number;
+    /** the most of the GPU's memory that the bake takes, MiB; what does not fit is the processor's (default 0: no limit); 0..1048576 */
+    deviceMemory?: number;
     /** 0 = all cores; changes no byte of the result (default 0); 0..4096 */
     threads?: number;
     /** how lightmaps are stored: RGB9E5 or half floats in KTX2, or 8 bits a channel by a curve in lossless WebP; the report has the error of each page (default rgb9e5) */

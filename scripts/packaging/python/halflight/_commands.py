@@ -46,6 +46,7 @@ def bake(
     seed: Optional[int] = None,
     isa: Optional[Literal["auto", "sse2", "avx2", "avx512"]] = None,
     device: Optional[Literal["auto", "cpu", "gpu[:NAME]"]] = None,
+    device_memory: Optional[int] = None,
     threads: Optional[int] = None,
     cache: Optional[Path] = None,
     only: Optional[Union[str, Sequence[str]]] = None,
@@ -108,8 +109,11 @@ def bake(
         isa: the processor's instructions that trace rays; light differs within its noise, in other bytes (default auto:
             avx2 where it is there, else sse2)
     Run:
-        device: what traces rays: cpu, gpu, or gpu:NAME by part of its name (default auto: cpu). A GPU gathers the
-            lightmap's light and denoises it, and the processor does the rest; light differs within its noise
+        device: what traces the bake's rays: cpu, gpu, or gpu:NAME by part of its name (default auto: a GPU where it is
+            expected to be quicker). A GPU gathers the lightmap's light and denoises it, and the processor does the
+            rest; light differs within its noise
+        device_memory (0..1048576): the most of the GPU's memory that the bake takes, MiB; what does not fit is the
+            processor's (default 0: no limit)
         threads (0..4096): 0 = all cores; changes no byte of the result (default 0)
         cache: keep finished tiles in this folder: an interrupted bake goes on where it stopped, a changed scene is
             baked anew only where the change shows; several bakes may share it
@@ -165,6 +169,7 @@ def bake(
         *_run.option("--seed", seed),
         *_run.option("--isa", isa),
         *_run.option("--device", device),
+        *_run.option("--device-memory", device_memory),
         *_run.option("--threads", threads),
         *_run.option("--cache", cache),
         *_run.each("--only", only),

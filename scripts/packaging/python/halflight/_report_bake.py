@@ -199,6 +199,8 @@ class BakeReport(Record):
     identity: str
     seconds: float
     peak_memory_bytes: int
+    # Of the memory of the GPU that baked; 0 where none did.
+    peak_device_bytes: int
     # Mean, as gathered.
     samples_per_texel: float
     # Relative standard error reached, before denoising.
