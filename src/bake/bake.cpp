@@ -44,10 +44,10 @@ Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::un
     Integrator& integrator = cached.integrator;
     StageTimer timer(report, "lightmap");
     const uint64_t earlier = integrator.raysTraced();
-    const Status status = run.live != nullptr ? run.live->irradiance(cached, *lightmap, estimates, run.progress)
-                          : run.components.count > 0
-                              ? traceComponents(cached, *lightmap, estimates, components, run.progress)
-                              : cached.irradiance(*lightmap, estimates, run.progress);
+    const Status status = run.components.count > 0
+                              ? traceComponents(cached, *lightmap, estimates, components, run.live, run.progress)
+                          : run.live != nullptr ? run.live->irradiance(cached, *lightmap, estimates, {}, run.progress)
+                                                : cached.irradiance(*lightmap, estimates, run.progress);
     if (!status) return status;
     lightmap.reset(); // what the texels have in common
     timer.finish(integrator.raysTraced() - earlier);
@@ -115,7 +115,7 @@ Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
     timer.finish();
     if (run.progress.cancelled()) return cancelledError();
     // Until the bake ends, a main light is drawn in realtime, and must not come twice.
-    if (run.live != nullptr && !main) run.live->finish(pages);
+    if (run.live != nullptr && !main) run.live->finish(pages, {});
     StageTimer encodeTimer(report, "encode");
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
@@ -293,9 +293,9 @@ Result<BakeResult> bakeWith(Scene scene, const BakeSettings& settings, const Int
     BakeResult result;
     BakeReport& report = result.report;
     FileGroup images;
-    Result<LightGrouping> grouping =
-        beginGroups(live == nullptr ? settings.groups : GroupChoice::Off, scene, result.baked);
+    Result<LightGrouping> grouping = beginGroups(settings.groups, scene, result.baked);
     if (!grouping) return grouping.error();
+    if (live != nullptr && !grouping->groups.empty()) live->setGroups(*grouping, integratorFactory);
     const BakeRun run{settings, progress, result, live, &images, componentsOf(*grouping)};
     FirstStages firstStages;
     if (Status status = prepareTexels(run, std::move(scene), integratorFactory, CacheUse{}, firstStages); !status)

@@ -2,6 +2,7 @@
 
 #include "bake/denoise/denoise.h"
 #include "bake/geometry/indices.h"
+#include "bake/live/live_light.h"
 #include "bake/pages/dilate.h"
 #include "bake/pages/encode.h"
 
@@ -150,9 +151,10 @@ LightComponents componentsOf(const LightGrouping& grouping)
 
 Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightmap,
                        std::span<IrradianceEstimate> estimates, std::vector<IrradianceEstimate>& components,
-                       const Progress& progress)
+                       LiveLight* live, const Progress& progress)
 {
     components = largeVector<IrradianceEstimate>(estimates.size() * std::size_t(cached.settings.components.count));
+    if (live != nullptr) return live->irradiance(cached, lightmap, estimates, components, progress);
     return cached.irradianceByComponent(lightmap, estimates, components, progress);
 }
 
@@ -192,6 +194,7 @@ Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
         if (directional) baked.lightmapDirections = encodeDirections(pages.irradiance, pages.moments);
         run.result.irradiance = std::move(pages.irradiance);
     }
+    if (run.live != nullptr && main == nullptr) run.live->finish(run.result.irradiance, run.result.groupIrradiance);
     release(components);
     timer.finish();
     return {};

@@ -20,10 +20,10 @@ Result<LightGrouping> beginGroups(GroupChoice choice, Scene& scene, BakedScene& 
 /// For the integrator: group g is component g + 1.
 LightComponents componentsOf(const LightGrouping& grouping);
 
-/// Estimates of the map's texels; of components by texel and component.
+/// Estimates of the map's texels; of components by texel and component. `live`: null where nobody looks.
 Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightmap,
                        std::span<IrradianceEstimate> estimates, std::vector<IrradianceEstimate>& components,
-                       const Progress& progress);
+                       LiveLight* live, const Progress& progress);
 
 /// Denoises, fills and encodes the pages of each component, into the baked scene; each by itself, as a bake of its
 /// lights alone would be. Releases `components`. `main`: subtractive's main light, or null; each component has a lower

@@ -163,7 +163,7 @@ Status Viewer::showFile(FileLoader::Opened opened)
     shown_.take(std::move(content.baked), textures, Clock::now());
     files_.isShown(opened);
     edited_.beginFile(shown_.baked().scene);
-    edited_.showGroups(shown_.baked().groups);
+    edited_.showGroups(shown_.baked(), shown_.time());
     notices_.setWarnings(Notices::About::File, edited_.scene().warnings);
     window_.title = opened.file.filename().string();
     state_.bakeOutput = opened.file.stem().string() + "_baked.glb";
@@ -224,7 +224,7 @@ Status Viewer::pollUpload()
     if (!isShown) return isShown.error();
     if (!*isShown) return {};
     bake_.uploadIsShown();
-    edited_.showGroups(shown_.baked().groups);
+    edited_.showGroups(shown_.baked(), shown_.time());
     // What changed while it was made or uploaded.
     if (edited_.repeat(shown_.time(), renderer())) bake_.sceneChanged();
     return {};

@@ -102,7 +102,7 @@ protected:
         baked = test::groupedScene();
         ASSERT_TRUE(renderer->load(baked));
         edited.beginFile(baked.scene);
-        edited.showGroups(baked.groups);
+        edited.showGroups(baked, EditedScene::Clock::now());
     }
     vec3 lightOf(const Scene& scene, std::size_t i) { return scene.lights[i].color * scene.lights[i].intensity; }
 };
@@ -142,15 +142,36 @@ TEST_F(EditedGroupsS33, WeightsAreRepeatedInTheNextScene)
     const auto begin = EditedScene::Clock::now();
     edited.change(ChangeGroup{"lamp", vec3(2.0f)}, *renderer, notices);
     ASSERT_TRUE(renderer->load(baked));
-    edited.showGroups(baked.groups);
+    edited.showGroups(baked, begin);
     EXPECT_EQ(edited.groups()[0].weight, vec3(2.0f));
     EXPECT_EQ(renderer->lightGroups()[0].weight, baked.groups[0].weight);
     EXPECT_TRUE(edited.repeat(begin, *renderer));
     EXPECT_EQ(renderer->lightGroups()[0].weight, vec3(2.0f));
-    edited.showGroups({}); // a bake of the window
+    BakedScene plain; // first light of a bake
+    plain.scene = *edited.snapshot();
+    for (Light& light : plain.scene.lights) light.baking.group = -1;
+    edited.showGroups(plain, EditedScene::Clock::now());
     EXPECT_TRUE(edited.groups().empty());
     EXPECT_EQ(lightOf(edited.scene(), 0), vec3(40.0f));
     EXPECT_EQ(lightOf(*edited.snapshot(), 0), vec3(40.0f));
+}
+
+/// Weights that were changed before a bake are in its light: its groups begin at the weights that it saved.
+TEST_F(EditedGroupsS33, ABakeOfTheWindowBeginsAtItsOwnWeights)
+{
+    edited.change(ChangeGroup{"lamp", vec3(2.0f)}, *renderer, notices);
+    BakedScene again = baked;
+    again.scene = *edited.snapshot();
+    again.scene.lights[0].baking.white = vec3(40.0f);
+    again.groups[0].weight = vec3(1.0f);
+    ASSERT_TRUE(renderer->load(again));
+    edited.showGroups(again, EditedScene::Clock::now());
+    EXPECT_EQ(edited.groups()[0].weight, vec3(1.0f));
+    EXPECT_EQ(lightOf(edited.scene(), 0), vec3(40.0f));
+    edited.change(ChangeGroup{"lamp", vec3(0.5f)}, *renderer, notices);
+    EXPECT_EQ(lightOf(edited.scene(), 0), vec3(20.0f));
+    edited.change(ChangeGroup{"lamp", vec3(1.0f)}, *renderer, notices);
+    EXPECT_EQ(lightOf(edited.scene(), 0), vec3(40.0f)) << "as it was baked, not as the file has it";
 }
 
 } // namespace

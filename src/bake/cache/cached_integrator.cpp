@@ -256,6 +256,13 @@ Status CachedIntegrator::irradianceByComponent(PreparedLightmap& lightmap, std::
 {
     if (cache == nullptr)
         return lightmap.irradianceByComponent({allIndices(map.texels.size())}, out, components, progress);
+    return irradianceOfParts(lightmap, {}, out, components, progress);
+}
+
+Status CachedIntegrator::irradianceOfParts(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
+                                           std::span<IrradianceEstimate> out, std::span<IrradianceEstimate> components,
+                                           const Progress& progress) const
+{
     BakeCache::Work<IrradianceEstimate, float> work = irradianceWork(lightmap);
     work.take = [&](std::size_t first, std::span<const IrradianceEstimate> values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
@@ -264,13 +271,8 @@ Status CachedIntegrator::irradianceByComponent(PreparedLightmap& lightmap, std::
             (c == 0 ? out[texel] : components[texel * componentCount() + c - 1]) = values[i];
         }
     };
-    return cache->run(work, {}, progress);
-}
-
-Status CachedIntegrator::irradianceOfParts(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
-                                           std::span<IrradianceEstimate> out, const Progress& progress) const
-{
-    return cache->run(irradianceWork(lightmap), parts, out, progress);
+    const std::span<IrradianceEstimate> taken; // in place of a list
+    return parts.empty() ? cache->run(work, taken, progress) : cache->run(work, parts, taken, progress);
 }
 
 Status CachedIntegrator::shadowmask(int layer, std::span<vec4> out, const Progress& progress) const

@@ -35,9 +35,11 @@ struct CachedIntegrator {
     Status irradianceByComponent(PreparedLightmap& lightmap, std::span<IrradianceEstimate> out,
                                  std::span<IrradianceEstimate> components, const Progress& progress) const;
     Status shadowmask(int layer, std::span<vec4> out, const Progress& progress) const;
-    /// Some parts of the texels, by the cache, which is there.
+    /// The same of some parts of the texels, by the cache, which is there; of all without parts. `components`: empty in
+    /// a bake without groups.
     Status irradianceOfParts(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
-                             std::span<IrradianceEstimate> out, const Progress& progress) const;
+                             std::span<IrradianceEstimate> out, std::span<IrradianceEstimate> components,
+                             const Progress& progress) const;
     /// Has some parts of the texels in the cache, which is there.
     Status fillIrradiance(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
                           const Progress& progress) const;

@@ -52,6 +52,7 @@ void withoutMask(BakedScene& light)
     light.mode = MixedLightingMode::BakedIndirect;
     for (Light& each : light.scene.lights) {
         BakingOutput& baking = each.baking;
+        baking.group = -1; // of an earlier bake
         if (!baking.isBaked || baking.bakeType != LightMode::Mixed) continue;
         // Subtractive bakes have the direct light of all but the main light in the lightmap.
         if (baking.mixedMode == MixedLightingMode::Subtractive && baking.occlusionMaskChannel < 0)
@@ -63,6 +64,41 @@ void withoutMask(BakedScene& light)
 
 } // namespace
 
+void LiveLight::setGroups(const LightGrouping& grouping, const IntegratorFactory& factory)
+{
+    grouping_ = grouping;
+    factors_.clear();
+    for (const LightGroup& group : grouping.groups) factors_.push_back(group.weight * group.finished);
+    factory_ = &factory;
+}
+
+void LiveLight::takeOwnLight(Scene& scene) const
+{
+    if (grouping_) LightGrouping(*grouping_).exchange(scene);
+}
+
+Status LiveLight::roughIrradiance(const Scene& own, const CachedIntegrator& cached, std::span<const uint32_t> texels,
+                                  std::vector<vec3>& light, const Progress& progress) const
+{
+    std::unique_ptr<Integrator> integrator;
+    if (grouping_) { // that of the bake has white light
+        IntegrationSettings few = cached.settings;
+        few.components = {};
+        few.fewRays = true;
+        Result<std::unique_ptr<Integrator>> made = factory_->make(own, cached.geometry, few);
+        if (!made) return made.error();
+        integrator = std::move(*made);
+    }
+    TexelRequest request{texels, kPaths};
+    request.rough = true;
+    std::vector<IrradianceEstimate> estimates(texels.size());
+    const std::unique_ptr<PreparedLightmap> lightmap =
+        integrator != nullptr ? integrator->prepare(cached.map, nullptr) : cached.prepare();
+    if (Status s = lightmap->irradiance(request, estimates, progress); !s) return s;
+    for (const IrradianceEstimate& estimate : estimates) light.push_back(estimate.irradiance);
+    return {};
+}
+
 Status LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
                                   const IntegrationSettings& integration, const Progress& progress)
 {
@@ -70,12 +106,14 @@ Status LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, con
     BakedScene light;
     light.isBaked = true;
     light.scene = std::move(scene);
+    takeOwnLight(light.scene);
     for (Object& object : light.scene.objects) object.lightmap = {};
     assignShadowmaskChannels(light.scene, settings.mode, settings.mostMaskLayers);
     limitBounces(light.scene, integration);
     const BakeGeometry geometry = flattenGeometry(light.scene, 1, GeometryFilter::Static);
     IntegrationSettings few = integration;
     few.fewRays = true;
+    few.components = {};
     Result<std::unique_ptr<Integrator>> integrator = factory.make(light.scene, geometry, few);
     if (!integrator) return {}; // the bake finds the same, and says it
     const Progress quiet{{}, progress.cancel};
@@ -103,16 +141,14 @@ Status LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached,
     int side = kSide;
     while (map.texels.size() / std::size_t(side * side) > kMostSquares) side *= 2;
     const std::vector<uint32_t> texels = sampleTexels(map, side);
-    TexelRequest request{texels, kPaths};
-    request.rough = true;
-    std::vector<IrradianceEstimate> estimates(texels.size());
-    if (Status s = cached.prepare()->irradiance(request, estimates, quiet); !s) return s;
+    BakedScene light = scene;
+    light.groups.clear();
+    takeOwnLight(light.scene);
     std::vector<vec3> values;
-    for (const IrradianceEstimate& estimate : estimates) values.push_back(estimate.irradiance);
+    if (Status s = roughIrradiance(light.scene, cached, texels, values, quiet); !s) return s;
     progress("first light", 0.5);
     LivePages pages(map);
     pages.spread(texels, values, side);
-    BakedScene light = scene;
     light.probes = std::move(probes_);
     withoutMask(light);
     while (kHeadroom * pages.brightest() > kMaxRgb9e5 * light.lightmapUnitLux) light.lightmapUnitLux *= 2.0f;
@@ -128,14 +164,17 @@ Status LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached,
 }
 
 Status LiveLight::irradiance(const CachedIntegrator& cached, PreparedLightmap& lightmap,
-                             std::span<IrradianceEstimate> out, const Progress& progress)
+                             std::span<IrradianceEstimate> out, std::span<IrradianceEstimate> components,
+                             const Progress& progress)
 {
     const TexelMap& map = cached.map;
+    const std::size_t count = map.texels.empty() ? 0 : components.size() / map.texels.size();
     TexelOrder order = cached.cache != nullptr
                            ? TexelOrder::ofRuns(cached.geometry, map, texelsOfPart(map.texels.size()))
                            : TexelOrder::ofCharts(cached.geometry, map);
     std::vector<uint32_t> texels;
     std::vector<IrradianceEstimate> estimates;
+    std::vector<IrradianceEstimate> parts;
     std::size_t atOnce = kFirstTexels;
     std::size_t done = 0;
     while (done < map.texels.size()) {
@@ -149,14 +188,21 @@ Status LiveLight::irradiance(const CachedIntegrator& cached, PreparedLightmap& l
         const double share = 1.0 / double(map.texels.size());
         const Progress part = partOf(progress, double(done) * share, double(done + texels.size()) * share);
         if (cached.cache != nullptr) {
-            if (Status s = cached.irradianceOfParts(lightmap, pieces, out, part); !s) return s;
+            if (Status s = cached.irradianceOfParts(lightmap, pieces, out, components, part); !s) return s;
         } else {
             estimates.assign(texels.size(), {});
-            if (Status s = lightmap.irradiance({texels}, estimates, part); !s) return s;
-            for (std::size_t i = 0; i < texels.size(); ++i) out[texels[i]] = estimates[i];
+            parts.assign(texels.size() * count, {});
+            const Status traced = count > 0 ? lightmap.irradianceByComponent({texels}, estimates, parts, part)
+                                            : lightmap.irradiance({texels}, estimates, part);
+            if (!traced) return traced;
+            for (std::size_t i = 0; i < texels.size(); ++i) {
+                out[texels[i]] = estimates[i];
+                std::copy_n(parts.begin() + std::ptrdiff_t(i * count), count,
+                            components.begin() + std::ptrdiff_t(texels[i] * count));
+            }
         }
         done += texels.size();
-        show(map, texels, out);
+        show(map, texels, out, components);
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
         const double fitting = double(texels.size()) * kSecondsAtOnce / std::max(taken.count(), 1.0e-3);
         atOnce = std::clamp(std::size_t(fitting), kFirstTexels / 4, 2 * atOnce);
@@ -164,21 +210,32 @@ Status LiveLight::irradiance(const CachedIntegrator& cached, PreparedLightmap& l
     return {};
 }
 
-void LiveLight::show(const TexelMap& map, std::span<const uint32_t> texels, std::span<const IrradianceEstimate> all)
+void LiveLight::show(const TexelMap& map, std::span<const uint32_t> texels, std::span<const IrradianceEstimate> all,
+                     std::span<const IrradianceEstimate> components)
 {
     const std::lock_guard lock(mutex_);
     if (!pages_ || map_ != &map) return;
-    for (const uint32_t texel : texels)
-        if (all[texel].valid) pages_->set(texel, all[texel].irradiance);
+    for (const uint32_t texel : texels) {
+        if (!all[texel].valid) continue;
+        vec3 light = all[texel].irradiance;
+        if (!components.empty()) {
+            const auto own = components.subspan(texel * (factors_.size() + 1));
+            light = own[0].irradiance; // the rest
+            for (std::size_t g = 0; g < factors_.size(); ++g) light += factors_[g] * own[g + 1].irradiance;
+        }
+        pages_->set(texel, light);
+    }
 }
 
-void LiveLight::finish(const std::vector<ImageRgb32f>& pages)
+void LiveLight::finish(const std::vector<ImageRgb32f>& pages, const std::vector<std::vector<ImageRgb32f>>& groups)
 {
     const std::lock_guard lock(mutex_);
     if (!pages_) return;
     for (std::size_t i = 0; i < map_->texels.size(); ++i) {
         const Texel& texel = map_->texels[i];
-        pages_->set(uint32_t(i), pages[texel.page](texel.x, texel.y));
+        vec3 light = pages[texel.page](texel.x, texel.y);
+        for (std::size_t g = 0; g < groups.size(); ++g) light += factors_[g] * groups[g][texel.page](texel.x, texel.y);
+        pages_->set(uint32_t(i), light);
     }
 }
 

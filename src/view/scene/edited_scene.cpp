@@ -11,19 +11,29 @@
 
 namespace halflight::view {
 
+namespace {
+
+void copyLight(const Scene& from, Scene& to)
+{
+    to.lights = from.lights;
+    to.materials = from.materials;
+    to.sky = from.sky;
+}
+
+} // namespace
+
 void EditedScene::beginFile(const Scene& scene)
 {
     scene_ = scene;
     bounds_ = objectBounds(scene);
     atLoad_ = {};
-    atLoad_.lights = scene.lights;
+    copyLight(scene, atLoad_);
     atLoad_.objects = scene.objects;
-    atLoad_.materials = scene.materials;
-    atLoad_.sky = scene.sky;
     changedLights_.clear();
     changedObjects_.clear();
     changedGroups_.clear();
-    showGroups({});
+    shownGroups_.clear();
+    groups_.clear();
     settingsFile_.clear();
     snapshot_.reset();
 }
@@ -47,18 +57,27 @@ void EditedScene::make(const ChangeLight& change, Renderer& renderer, Notices& n
     if (weight && *weight != groups_[group].weight) make(ChangeGroup{groups_[group].name, *weight}, renderer, notices);
 }
 
-void EditedScene::showGroups(const std::vector<BakedGroup>& groups)
+void EditedScene::showGroups(const BakedScene& shown, Clock::time_point since)
 {
+    copyLight(shown.scene, shownLight_);
+    // Members are those of its bake.
+    for (std::size_t i = 0; i < scene_.lights.size(); ++i) scene_.lights[i].baking = shown.scene.lights[i].baking;
+    for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+        scene_.materials[i].bakedGroup = shown.scene.materials[i].bakedGroup;
+        scene_.materials[i].whiteNits = shown.scene.materials[i].whiteNits;
+    }
+    snapshot_.reset();
     shownGroups_.clear();
     groups_.clear();
-    for (const BakedGroup& group : groups) {
+    for (const BakedGroup& group : shown.groups) {
         BakedGroup& own = shownGroups_.emplace_back();
         own.name = group.name;
         own.weight = group.weight;
         own.sky = group.sky;
         groups_.push_back({group.name, group.weight, group.weight, vec3(1.0f)});
         const auto changed = changedGroups_.find(group.name);
-        setWeight(groups_.size() - 1, changed != changedGroups_.end() ? changed->second.weight : group.weight);
+        const bool isChanged = changed != changedGroups_.end() && changed->second.time >= since;
+        setWeight(groups_.size() - 1, isChanged ? changed->second.weight : group.weight);
     }
 }
 
@@ -87,11 +106,11 @@ void EditedScene::make(const ChangeGroup& change, Renderer& renderer, Notices& n
     }
     changedGroups_[change.name] = {change.weight, lastChange_};
     setWeight(std::size_t(group - groups_.begin()), change.weight);
-    composeMembers(atLoad_, shownGroups_, weights(), scene_);
-    Sky gradient = atLoad_.sky;
+    composeMembers(shownLight_, shownGroups_, weights(), scene_);
+    Sky gradient = shownLight_.sky;
     gradient.picture.reset(); // snapshot() multiplies it
     gradient = composedSky(gradient, shownGroups_, weights());
-    gradient.picture = atLoad_.sky.picture;
+    gradient.picture = shownLight_.sky.picture;
     scene_.sky = gradient;
 }
 
@@ -195,7 +214,7 @@ std::shared_ptr<const Scene> EditedScene::snapshot()
     if (snapshot_) return snapshot_;
     auto scene = std::make_shared<Scene>(scene_);
     // Of a sky with a picture all texels change: here, and not for each move of a slider.
-    if (scene->sky.picture) scene->sky = composedSky(atLoad_.sky, shownGroups_, weights());
+    if (scene->sky.picture) scene->sky = composedSky(shownLight_.sky, shownGroups_, weights());
     snapshot_ = std::move(scene);
     return snapshot_;
 }

@@ -23,8 +23,9 @@ public:
 
     /// A file's, before any change.
     void beginFile(const Scene& scene);
-    /// Another scene of the same objects is shown: its light groups, at the weights that the user gave them.
-    void showGroups(const std::vector<BakedGroup>& groups);
+    /// Another scene of the same objects is shown, which was made at `since`: its light groups, at the weights that the
+    /// user gave them since.
+    void showGroups(const BakedScene& shown, Clock::time_point since);
     /// Makes a change here and in what the renderer draws.
     void change(const SceneChange& change, Renderer& renderer, Notices& notices);
 
@@ -69,6 +70,7 @@ private:
     };
     std::map<std::string, Weight> changedGroups_;
     std::vector<BakedGroup> shownGroups_; ///< of the scene that is shown, without light
+    Scene shownLight_;                    ///< its lights, materials and sky, at the groups' saved weights
     std::vector<GroupReport> groups_;
     std::filesystem::path settingsFile_; ///< that writeSettings() wrote; empty: none yet
     Clock::time_point lastChange_;

@@ -43,6 +43,7 @@ void LiveBake::forget()
     uploadedLight_ = nullptr;
     end_.reset();
     irradiance_.clear();
+    groupIrradiance_.clear();
     savedAs_.clear();
     status_ = {};
     notices_.setWarnings(Notices::About::Bake, {});
@@ -100,6 +101,7 @@ void LiveBake::end(Renderer& renderer, Result<BakeResult> result, double seconds
     comparison_.keepEarlier(std::move(before));
     notices_.setWarnings(Notices::About::Bake, result->report.warnings);
     irradiance_ = std::move(result->irradiance);
+    groupIrradiance_ = std::move(result->groupIrradiance);
     savedAs_.clear();
     // As before the bake, if that was a baked mode which the file has.
     const bool fits = modeBefore_ != RunMode::Realtime && checkRunMode(result->baked, modeBefore_);
@@ -145,6 +147,7 @@ std::string LiveBake::write(FilesInUse files)
         return fmt::format("{}: {}", culprit.string(), unused.error().message);
     WriteOptions write;
     write.irradiance = irradiance_;
+    write.groupIrradiance = groupIrradiance_;
     if (const Status written = writeBakedScene(file, shown_.baked(), write); !written)
         return fmt::format("{}: {}", file.string(), written.error().message);
     savedAs_ = file.string();

@@ -76,9 +76,10 @@ private:
         RunMode mode = RunMode::Realtime;
         std::string outcome;
     };
-    std::optional<End> end_;               ///< what is being uploaded, if it is a bake's end
-    Clock::time_point lastTiles_;          ///< when some were shown
-    std::vector<ImageRgb32f> irradiance_;  ///< of the finished bake
+    std::optional<End> end_;              ///< what is being uploaded, if it is a bake's end
+    Clock::time_point lastTiles_;         ///< when some were shown
+    std::vector<ImageRgb32f> irradiance_; ///< of the finished bake
+    std::vector<std::vector<ImageRgb32f>> groupIrradiance_;
     std::string savedAs_;                  ///< its file; empty: not saved
     std::unique_ptr<BakeSession> session_; ///< goes first: waits for its threads' ends
 };

@@ -1,10 +1,9 @@
 // A bake in the background (BakeSession): the same bytes as bake(), a first light before it, cancelled at any moment.
-#include "bake/test_room.h"
+#include "bake/live/session_light.h"
 #include "base/temp_folder.h"
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/file.h"
-#include "halflight/base/rgb9e5.h"
 #include "halflight/base/system.h"
 #include "halflight/scene/export.h"
 #include "halflight/scene/gltf.h"
@@ -29,16 +28,6 @@ constexpr bool kSlow = true;
 constexpr bool kSlow = false;
 #endif
 
-BakeSettings quick()
-{
-    BakeSettings settings;
-    settings.quality = Quality::Preview;
-    settings.samples = 16;
-    settings.lightmapSize = 128;
-    settings.probeSpacingMeters = 1.0f;
-    return settings;
-}
-
 /// For many bakes.
 BakeSettings tiny()
 {
@@ -49,43 +38,9 @@ BakeSettings tiny()
     return settings;
 }
 
-/// Without layouts of its own, so that charts are made.
-Scene scene()
-{
-    Scene scene = room(true, true, true);
-    for (Object& object : scene.objects) object.lightmap = {};
-    for (Mesh& mesh : scene.meshes)
-        for (MeshPart& part : mesh.parts) part.lightmapUv.clear();
-    return scene;
-}
-
 void waitFor(const BakeSession& session)
 {
     while (!session.state().finished) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-}
-
-void put(const LightTile& tile, BakedScene& shown)
-{
-    Image<uint32_t>& page = shown.lightmaps.at(std::size_t(tile.page));
-    for (int y = 0; y < tile.texels.height(); ++y)
-        for (int x = 0; x < tile.texels.width(); ++x) page(tile.offset.x + x, tile.offset.y + y) = tile.texels(x, y);
-}
-
-/// Root mean square difference of the light of `shown` and the result, over the result's.
-double errorOf(const BakedScene& shown, const BakeResult& result)
-{
-    double difference = 0.0;
-    double all = 0.0;
-    for (std::size_t p = 0; p < result.irradiance.size(); ++p) {
-        const ImageRgb32f page = decodeRgb9e5(shown.lightmaps.at(p), shown.lightmapUnitLux);
-        for (std::size_t i = 0; i < page.texelCount(); ++i) {
-            const vec3 light = result.irradiance[p].texels()[i];
-            if (page.texels()[i] == vec3(0.0f)) continue; // far from all charts
-            difference += double(glm::dot(page.texels()[i] - light, page.texels()[i] - light));
-            all += double(glm::dot(light, light));
-        }
-    }
-    return std::sqrt(difference / all);
 }
 
 /// Texels at an object's vertices whose light the tiles change.
@@ -210,20 +165,7 @@ TEST(BakeSession, TilesBecomeTheFinishedPages)
 {
     BakeSession session(scene(), quick(), embreeIntegrators());
     EXPECT_TRUE(session.takeTiles().empty()) << "before the first light";
-    std::optional<BakedScene> shown;
-    std::vector<BakedScene> states;
-    bool last = false;
-    while (!last) {
-        last = session.state().finished;
-        if (!shown) {
-            if ((shown = session.takeLight())) states.push_back(*shown);
-        } else {
-            const std::vector<LightTile> tiles = session.takeTiles();
-            for (const LightTile& tile : tiles) put(tile, *shown);
-            if (!tiles.empty()) states.push_back(*shown);
-        }
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    const std::vector<BakedScene> states = statesOf(session);
     const Result<BakeResult> baked = session.takeResult();
     ASSERT_TRUE(baked) << baked.error().text();
     ASSERT_GE(states.size(), 2u) << "first light and tiles";

@@ -1,0 +1,56 @@
+// Light groups in a bake in the background (S33): what is shown, and what comes out.
+
+#include "bake/live/session_light.h"
+#include "base/temp_folder.h"
+
+#include "halflight/bake/bake.h"
+#include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/file.h"
+#include "halflight/scene/gltf.h"
+
+#include <gtest/gtest.h>
+
+namespace halflight::test::session_groups_test {
+namespace {
+
+/// Groups are baked in white. What is shown meanwhile has the scene's own light, and the bytes are those of bake().
+TEST(BakeSession, ShowsGroupsInTheirOwnLightS33)
+{
+    Scene grouped = scene();
+    grouped.lights[0].group = "sun";
+    grouped.lights[0].color = vec3(1.0f, 0.3f, 0.1f);
+    for (Material& material : grouped.materials)
+        if (material.emissiveNits != vec3(0.0f)) material.group = "lamp";
+    const Result<BakeResult> plain = bake(grouped, quick(), embreeIntegrators());
+    ASSERT_TRUE(plain) << plain.error().text();
+    ASSERT_EQ(plain->baked.groups.size(), 2u);
+
+    BakeSession session(grouped, quick(), embreeIntegrators());
+    std::optional<BakedScene> probes;
+    while (!probes && !session.state().finished) probes = session.takeProbeLight();
+    const std::vector<BakedScene> states = statesOf(session);
+    Result<BakeResult> baked = session.takeResult();
+    ASSERT_TRUE(baked) << baked.error().text();
+    const TempFolder folder;
+    ASSERT_TRUE(writeBakedScene(folder / "plain.glb", plain->baked));
+    ASSERT_TRUE(writeBakedScene(folder / "session.glb", baked->baked));
+    EXPECT_EQ(*readFile(folder / "plain.glb"), *readFile(folder / "session.glb"));
+
+    for (std::size_t g = 0; g < baked->groupIrradiance.size(); ++g)
+        for (std::size_t p = 0; p < baked->irradiance.size(); ++p)
+            for (std::size_t i = 0; i < baked->irradiance[p].texelCount(); ++i)
+                baked->irradiance[p].data()[i] +=
+                    baked->baked.groups[g].weight * baked->groupIrradiance[g][p].data()[i];
+    ASSERT_GE(states.size(), 2u) << "first light and tiles";
+    for (const BakedScene& state : {states.front(), states.back()}) {
+        EXPECT_TRUE(state.groups.empty());
+        EXPECT_EQ(state.scene.lights[0].color, grouped.lights[0].color);
+    }
+    EXPECT_LT(errorOf(states.front(), *baked), 0.35);
+    EXPECT_LT(errorOf(states.back(), *baked), 0.02) << "but for padding, and RGB9E5 in another unit";
+    ASSERT_TRUE(probes);
+    EXPECT_EQ(probes->scene.lights[0].color, grouped.lights[0].color);
+}
+
+} // namespace
+} // namespace halflight::test::session_groups_test
