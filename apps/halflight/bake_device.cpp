@@ -40,16 +40,15 @@ Result<std::shared_ptr<BakeDevice>> opened(const std::string& name, int memoryMe
     return device;
 }
 
-/// Whether a GPU saves more seconds than it takes to open it, to upload the scene and to copy results: about one. A
-/// thread of a server's processor spends a second on 1.3 million samples that a GPU would take, denoising included
-/// (docs/lab/gpu.md). Path tracing stays on the processor.
+/// Whether a GPU saves more than it costs to open it, to upload the scene and to copy results: so many samples of the
+/// lightmap for each thread of the processor (docs/lab/gpu.md, "Where a GPU pays"). Path tracing stays on the
+/// processor.
 bool isWorthAGpu(const Scene& scene, const BakeSettings& settings)
 {
-    constexpr double kSamplesOfAThread = 1.3e6; // a second
-    constexpr double kSecondsOfAGpu = 1.0;
+    constexpr double kSamplesOfAThread = 6.0e6;
     if (settings.integrator == IntegratorKind::Path) return false;
     const ThreadLimit limit(settings.threads);
-    return expectedSamples(scene, settings) > kSamplesOfAThread * double(threadCount()) * kSecondsOfAGpu;
+    return expectedSamples(scene, settings) > kSamplesOfAThread * double(threadCount());
 }
 #endif
 
