@@ -20,9 +20,10 @@ except ImportError:
     raise ImportError("Halflight needs numpy: apt install python3-numpy (this Blender's Python has none)") from None
 
 from . import bake, keeping, material_operator, messages, panels, preferences, properties, stale  # noqa: E402
+from .groups import state  # noqa: E402
 from .view import moving, view_operator  # noqa: E402
 
-MODULES = (preferences, properties, messages, bake, material_operator, view_operator, moving, stale, panels, keeping)
+MODULES = (preferences, properties, messages, bake, material_operator, view_operator, moving, state, stale, panels, keeping)
 
 
 def register():

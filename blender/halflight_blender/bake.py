@@ -14,6 +14,7 @@ import bpy
 from . import baked_view, files, messages, preferences, program, stale
 from .export import export_scene, findings, scene_copy
 from .glb import Glb
+from .groups import animation, state
 
 INTERVAL = 0.1  # seconds between looks at the program
 
@@ -56,6 +57,8 @@ class Job:
                 "can be written, and move away files with the name of the bake's folder"
             ) from error
         units = context.scene.halflight.units
+        with state.quietly():
+            state.follow(context.scene)
         try:
             warnings = export_scene.export_scene(context, self.files.scene, units, self.files.folder)
         except RuntimeError as error:  # of an operator
@@ -140,11 +143,28 @@ class Job:
         with open(self.files.report, encoding="utf-8") as file:
             report = json.load(file)
         scene.halflight.summary = summary_of(report)
+        self.take_groups(context, scene)
         output = bpy.path.abspath(scene.halflight.output)
         if output:
             os.makedirs(os.path.dirname(output) or ".", exist_ok=True)
             shutil.copyfile(self.files.baked, output)
         return report
+
+
+    def take_groups(self, context, scene):
+        """The sliders of light groups, and their keyframes in the file."""
+        with open(self.files.bindings, encoding="utf-8") as file:
+            bindings = json.load(file)
+        if "groups" not in bindings and not scene.halflight.light_groups:
+            return
+        is_unchanged = context.scene == scene and self.selected is None and not stale.check(context)
+        with state.quietly():
+            state.sync(scene, bindings, Glb(self.files.baked))
+            names = [record["name"] for record in bindings.get("groups", [])]
+            entries = {entry.name: entry for entry in state.groups_of(scene)}
+            animation.write(scene, [entries[name] for name in names], self.files.baked)
+        if is_unchanged:  # what the weight 1 is of lamps is known now
+            stale.note_bake(context, scene)
 
 
 def with_meshes(document, names):

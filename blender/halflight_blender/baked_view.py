@@ -15,13 +15,13 @@ import numpy as np
 
 from .export import export_scene, scene_copy
 from .glb import Glb
-from .view import moving, view_lights, view_materials
+from .view import moving, moving_materials, view_groups, view_lights, view_materials
 
-TAG = "halflight_baked_view"
+TAG = view_groups.TAG
 SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 # Halves of a sheet are moved apart by this share of their largest coordinate: a ray meets one of two faces at one place.
 APART = 1e-5
-COLLECTIONS = ("scenes", "collections", "objects", "meshes", "materials", "node_groups", "images")
+COLLECTIONS = ("scenes", "collections", "objects", "meshes", "materials", "node_groups", "images", "worlds")
 
 
 def source_of(scene):
@@ -58,6 +58,7 @@ def show(context, files):
     context.window.scene = view
     layer = view.view_layers[0]
     layer.update()
+    view_groups.show_weights(view)
     moving.update(view, layer.depsgraph, key, files)
     show_rendered(context.window, view)
     return view
@@ -119,9 +120,10 @@ def build(source, view_layer, files):
 
     lights = view_lights.shining_lights(document, bindings)
     add_switches(view, lights)
-    group = view_lights.make_group(lights, bindings.get("shadowmaskChannels")) if lights else None
     lumens = export_scene.lumens_per_watt(source.halflight.units)
-    materials = view_materials.Materials(document, bindings, files.sidecar, group, lumens)
+    groups = view_groups.Groups(bindings.get("groups", []), document, source, lumens)
+    group = view_lights.make_group(lights, bindings.get("shadowmaskChannels"), groups) if lights else None
+    materials = view_materials.Materials(document, bindings, files.sidecar, group, groups, lumens)
     matrices = document.world_matrices()
     objects, shown = objects_of(source), set()
     for index, node in enumerate(document.json.get("nodes", [])):
@@ -138,8 +140,10 @@ def build(source, view_layer, files):
         if item.type in {"LIGHT", "CAMERA", "ARMATURE"}:
             collection.objects.link(item)
     # Probes have attenuations, whatever encoding the masks have.
-    plain = view_lights.make_group(lights, None) if lights and bindings.get("shadowmaskChannels") else group
-    moving.add(view, collection, [item for item in rest if item.type in SURFACES | {"EMPTY"}], plain, lumens)
+    plain = view_lights.make_group(lights, None, groups) if lights and bindings.get("shadowmaskChannels") else group
+    surfaces = moving_materials.MovingMaterials(plain, groups, lumens)
+    moving.add(view, collection, [item for item in rest if item.type in SURFACES | {"EMPTY"}], surfaces)
+    view_groups.follow_sky(view, groups)
     return view
 
 

@@ -9,13 +9,13 @@ import bpy
 
 from . import baked_view
 
-Files = collections.namedtuple("Files", "folder scene baked tiles sidecar report")
+Files = collections.namedtuple("Files", "folder scene baked tiles sidecar report bindings")
 
 
 def of(scene):
     folder = os.path.join(root_of(bpy.data.filepath), name_of(baked_view.source_of(scene)))
     inside = [os.path.join(folder, name) for name in ("scene.glb", "baked.glb", "tiles", "pictures", "report.json")]
-    return Files(folder, *inside)
+    return Files(folder, *inside, os.path.join(folder, "pictures", "bake.json"))
 
 
 def root_of(blend):

@@ -5,6 +5,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import baked_view, files, stale
+from .groups import state
 
 # Between the start of a save and its end: the file's last name, and the windows that showed a view.
 before = ""
@@ -44,6 +45,7 @@ def before_save(*_arguments):
     leave_all()
     for scene in bpy.data.scenes:
         baked_view.forget_deleted(scene)
+        state.forget_deleted(scene)
 
 
 @persistent

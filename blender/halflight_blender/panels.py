@@ -5,6 +5,7 @@ import bpy
 
 from . import baked_view, bake, preferences, program, stale, wording
 from .export import sky
+from .groups import state
 
 
 def draw_bake(layout, context):
@@ -61,10 +62,18 @@ def draw_lights(layout, context):
         row.label(text=light.shadow)
 
 
+def draw_groups(layout, context):
+    for group in state.groups_of(context.scene):
+        row = layout.split(factor=0.75, align=True)
+        row.prop(group, "brightness", text=group.name, slider=True)
+        row.prop(group, "color", text="")
+
+
 def draw_details(layout, settings):
     layout.use_property_split = True
     groups = (
         ("samples", "noise", "shadow_samples", "bounces", "glossy_bounces", "integrator", "denoise", "seed"),
+        ("groups",),
         ("lightmap_size", "two_sided", "directional", "shadowmask_encoding"),
         ("probe_layout", "probe_spacing"),
         ("bake_materials", "material_size"),
@@ -87,6 +96,21 @@ class HALFLIGHT_PT_bake(Sidebar, bpy.types.Panel):
 
     def draw(self, context):
         draw_bake(self.layout, context)
+
+
+class GroupsPanel:
+    bl_label = "Light Groups"
+
+    @classmethod
+    def poll(cls, context):
+        return len(state.groups_of(context.scene)) > 0
+
+    def draw(self, context):
+        draw_groups(self.layout, context)
+
+
+class HALFLIGHT_PT_groups(GroupsPanel, Sidebar, bpy.types.Panel):
+    bl_parent_id = "HALFLIGHT_PT_bake"
 
 
 class HALFLIGHT_PT_lights(Sidebar, bpy.types.Panel):
@@ -127,6 +151,13 @@ class HALFLIGHT_PT_render(Properties, bpy.types.Panel):
         draw_bake(self.layout, context)
 
 
+class HALFLIGHT_PT_render_groups(GroupsPanel, Properties, bpy.types.Panel):
+    bl_label = "Light Groups"
+    bl_context = "render"
+    bl_parent_id = "HALFLIGHT_PT_render"
+    bl_options = set()
+
+
 class HALFLIGHT_PT_render_details(Properties, bpy.types.Panel):
     bl_label = "Details"
     bl_context = "render"
@@ -152,6 +183,9 @@ class HALFLIGHT_PT_world(Properties, bpy.types.Panel):
         layout.label(text="The scene's own properties name the sky" if named else understood.text(), icon="WORLD")
         if understood.panorama:
             layout.prop(world, "halflight_sky_width")
+        layout.prop(context.scene, "halflight_sky_changes")
+        if not context.scene.halflight_sky_changes:
+            layout.prop(context.scene, "halflight_sky_group")
         layout.prop(context.scene, "halflight_shadow_color")
 
 
@@ -171,8 +205,9 @@ class HALFLIGHT_PT_light(Properties, bpy.types.Panel):
                 column.prop(light, name)
             if light.shape == "ELLIPSE":
                 layout.label(text="An ellipse is always baked, as an emissive surface", icon="INFO")
+                layout.prop(light, "halflight_group")
                 return
-        for name in ("mode", "cast_shadows", "shadow_strength", "indirect_multiplier"):
+        for name in ("mode", "group", "cast_shadows", "shadow_strength", "indirect_multiplier"):
             layout.prop(light, "halflight_" + name)
         if light.type == "AREA":
             return
@@ -191,7 +226,7 @@ class HALFLIGHT_PT_object(Properties, bpy.types.Panel):
     def draw(self, context):
         layout, item = self.layout, context.object
         layout.use_property_split = True
-        for name in ("static", "lightmap_scale", "two_sided", "cast_shadows", "receive_shadows", "probes"):
+        for name in ("static", "lightmap_scale", "two_sided", "cast_shadows", "receive_shadows", "group", "probes"):
             layout.prop(item, "halflight_" + name)
         if item.halflight_probes == "VOLUME":
             layout.prop(item, "halflight_probe_resolution")
@@ -206,20 +241,35 @@ class HALFLIGHT_PT_material(Properties, bpy.types.Panel):
 
     def draw(self, context):
         self.layout.use_property_split = True
-        for name in ("cast_shadows", "receive_shadows"):
+        for name in ("cast_shadows", "receive_shadows", "group"):
             self.layout.prop(context.material, "halflight_" + name)
+
+
+class HALFLIGHT_PT_collection(Properties, bpy.types.Panel):
+    bl_context = "collection"
+
+    @classmethod
+    def poll(cls, context):
+        return context.collection is not None
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.prop(context.collection, "halflight_group")
 
 
 CLASSES = (
     HALFLIGHT_PT_bake,
+    HALFLIGHT_PT_groups,
     HALFLIGHT_PT_lights,
     HALFLIGHT_PT_details,
     HALFLIGHT_PT_render,
+    HALFLIGHT_PT_render_groups,
     HALFLIGHT_PT_render_details,
     HALFLIGHT_PT_world,
     HALFLIGHT_PT_light,
     HALFLIGHT_PT_object,
     HALFLIGHT_PT_material,
+    HALFLIGHT_PT_collection,
 )
 
 

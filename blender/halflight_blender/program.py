@@ -137,7 +137,7 @@ def bake_arguments(settings, files, only=()):
     arguments += ["--glossy-bounces", "on" if settings.glossy_bounces else "off"]
     arguments += ["--directional", "on" if settings.directional else "off"]
     arguments += ["--shadowmask-encoding", settings.shadowmask_encoding, "--probe-layout", settings.probe_layout]
-    arguments += ["--two-sided", settings.two_sided]
+    arguments += ["--two-sided", settings.two_sided, "--groups", settings.groups]
     arguments += ["--seed", str(settings.seed), "--threads", str(settings.threads), "--device", settings.device]
     given = (
         ("--texels-per-meter", settings.texels_per_meter),

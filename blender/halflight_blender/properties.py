@@ -9,6 +9,7 @@ default is not stored. Settings of the bake itself are in Scene.halflight.
 import bpy
 
 from .export import material_pictures
+from .groups import state
 
 
 def store(owner, key, value, default):
@@ -37,6 +38,16 @@ def extra_float(key, name, description, default, **limits):
         get=lambda owner: float(owner.get(key, default)),
         set=lambda owner, value: store(owner, key, round(value, 6), default),
         **limits,
+    )
+
+
+def extra_name(key, name, description):
+    return bpy.props.StringProperty(
+        name=name,
+        description=description,
+        maxlen=64,
+        get=lambda owner: str(owner.get(key, "")),
+        set=lambda owner, value: store(owner, key, value, ""),
     )
 
 
@@ -95,6 +106,15 @@ LIGHT_ITEMS = [
 CASTS = "Throws shadows, in the bake and at run time"
 RECEIVES = "Receives shadows, in the bake and at run time"
 
+
+def extra_group(whose):
+    return extra_name(
+        "halflight_group",
+        "Light Group",
+        f"{whose}. The bake keeps the light of each group by itself, so that it can be dimmed and recoloured afterwards",
+    )
+
+
 EXTRAS = {
     bpy.types.Object: {
         "halflight_static": extra_choice(
@@ -125,12 +145,18 @@ EXTRAS = {
             min=0,
             max=64,
         ),
+        "halflight_group": extra_group("Group of the lamps and glowing surfaces of the object and its children"),
+    },
+    bpy.types.Collection: {
+        "halflight_group": extra_group("Group of the lamps and glowing surfaces of objects that have no group of their own"),
     },
     bpy.types.Material: {
+        "halflight_group": extra_group("Group of the material's emission, where its object has none"),
         "halflight_cast_shadows": extra_bool("halflight_cast_shadows", "Cast Shadows", CASTS),
         "halflight_receive_shadows": extra_bool("halflight_receive_shadows", "Receive Shadows", RECEIVES),
     },
     bpy.types.Light: {
+        "halflight_group": extra_group("Group of the lamp"),
         "halflight_mode": extra_choice("halflight_mode", "Mode", "What of the light is baked", LIGHT_ITEMS),
         "halflight_cast_shadows": extra_bool("halflight_cast_shadows", "Cast Shadows", "The light throws shadows"),
         "halflight_shadow_strength": extra_float(
@@ -168,6 +194,13 @@ EXTRAS = {
             "Subtractive mode: irradiance in lux below which dynamic shadows do not go; black leaves it to the bake",
             min=0.0,
             soft_max=1000.0,
+        ),
+        "halflight_sky_group": extra_name("halflight_sky_group", "Light Group", "Group of the sky's light"),
+        "halflight_sky_changes": extra_bool(
+            "halflight_sky_changes",
+            "Sky Changes",
+            "Zenith, horizon and ground are light groups, sky.zenith, sky.horizon and sky.ground; a picture is sky.picture",
+            False,
         ),
     },
 }
@@ -271,6 +304,14 @@ class BakeSettings(bpy.types.PropertyGroup):
             ("distance-field", "Distance Field", "Texels hold the distance to the shadow's edge: crisp hard edges"),
         ],
     )
+    groups: bpy.props.EnumProperty(
+        name="Light Groups",
+        items=[
+            ("authored", "By Name", "Lamps, objects, materials and the sky that name a group"),
+            ("each", "Each", "Every lamp and glowing material is a group of its own, up to 16"),
+            ("off", "None", "All light is baked in one"),
+        ],
+    )
     probe_layout: bpy.props.EnumProperty(
         name="Probes",
         items=[
@@ -318,15 +359,19 @@ class BakeSettings(bpy.types.PropertyGroup):
     folder: bpy.props.StringProperty(options={"HIDDEN"})  # of its files; set by its first bake
     view_of: bpy.props.PointerProperty(type=bpy.types.Scene, options={"HIDDEN"})
     baked_objects: bpy.props.CollectionProperty(type=BakedObject, options={"HIDDEN"})
+    light_groups: bpy.props.CollectionProperty(type=state.LightGroup)
 
     def has_pictures(self, item, material):
         """Whether this bake makes pictures of a material on an object."""
         return self.bake_materials and material_pictures.can_bake(item) and material_pictures.is_curable(material)
 
 
+CLASSES = (BakedObject, state.GroupMember, state.LightGroup, BakeSettings)
+
+
 def register():
-    bpy.utils.register_class(BakedObject)
-    bpy.utils.register_class(BakeSettings)
+    for item in CLASSES:
+        bpy.utils.register_class(item)
     for owner, properties in EXTRAS.items():
         for name, definition in properties.items():
             setattr(owner, name, definition)
@@ -342,5 +387,5 @@ def unregister():
     for owner, properties in EXTRAS.items():
         for name in properties:
             delattr(owner, name)
-    bpy.utils.unregister_class(BakeSettings)
-    bpy.utils.unregister_class(BakedObject)
+    for item in reversed(CLASSES):
+        bpy.utils.unregister_class(item)

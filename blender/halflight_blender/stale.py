@@ -8,6 +8,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from . import baked_view
+from .groups import members
 
 DELAY = 1.0  # seconds without a change
 stale = {}  # by scene's name: True, False; absent: not known
@@ -21,6 +22,7 @@ def digest(scene, depsgraph):
     """Of evaluated objects, instances included, their surfaces and lights, the world, and the settings of the bake."""
     digest = hashlib.blake2b(digest_size=16)
     known = {}
+    whites = whites_of(scene)
 
     def add(*values):
         digest.update(repr(values).encode())
@@ -42,11 +44,14 @@ def digest(scene, depsgraph):
             layer.data.foreach_get("uv", array)
             digest.update(array.tobytes())
 
-    def nodes(tree):
+    def nodes(tree, item=None):
+        """`item`: whose tree it is, where a light group may set its emission."""
+        set_here = sockets_of_group(item) if item in whites else set()
+        add(whites.get(item))
         for node in tree.nodes:
             add(node.bl_idname, node.mute, getattr(getattr(node, "image", None), "name", None))
             for socket in node.inputs:
-                value = getattr(socket, "default_value", None)
+                value = None if (node.name, socket.identifier) in set_here else getattr(socket, "default_value", None)
                 add(tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value)
             if getattr(node, "node_tree", None):
                 add_once(node.node_tree, nodes)
@@ -56,11 +61,13 @@ def digest(scene, depsgraph):
     def material(item):
         add(extras(item), item.use_backface_culling, tuple(item.diffuse_color))
         if item.use_nodes:
-            nodes(item.node_tree)
+            nodes(item.node_tree, item.original)
 
     def light(item):
         names = ("type", "energy", "shadow_soft_size", "angle", "spot_size", "spot_blend", "shape", "size", "size_y")
-        add(tuple(item.color), [getattr(item, name, None) for name in names], extras(item))
+        white = whites.get(item.original)
+        values = [getattr(item, name, None) for name in names if white is None or name != "energy"]
+        add(white or tuple(item.color), values, extras(item))
 
     for instance in depsgraph.object_instances:
         item = instance.object
@@ -80,13 +87,25 @@ def digest(scene, depsgraph):
     if scene.world:
         add(tuple(scene.world.color), scene.world.halflight_sky_source)
         if scene.world.use_nodes:
-            nodes(scene.world.node_tree)
+            nodes(scene.world.node_tree, scene.world)
     settings = scene.halflight
     left_out = {"rna_type", "name", "baked_digest", "summary", "view_of", "output", "show_view", "device", "threads"}
-    left_out |= {"baked_objects", "folder"}
+    left_out |= {"baked_objects", "folder", "light_groups"}
     names = [p.identifier for p in settings.bl_rna.properties if p.identifier not in left_out]
     add(extras(scene), [getattr(settings, name) for name in names])
     return digest.hexdigest()
+
+
+def whites_of(scene):
+    """What of lamps, materials and world a light group's slider sets, at the weight 1: the weight is no change for the bake."""
+    entries = [entry for entry in scene.halflight.light_groups if entry.is_baked]
+    owned = [member for entry in entries for member in entry.members if member.item is not None]
+    return {member.item: [f"{c:.4g}" for c in member.white] for member in owned}
+
+
+def sockets_of_group(item):
+    places = [place for place in members.places_of(item) if place is not None]
+    return {(place.owner.node.name, place.owner.identifier) for place in places}
 
 
 def extras(item):

@@ -23,7 +23,7 @@ class Layout:
     def label(self, text="", icon="NONE"):
         self.shown.append(text)
 
-    def prop(self, data, name, text=None):
+    def prop(self, data, name, text=None, slider=False):
         if name not in data.bl_rna.properties:
             raise AssertionError(f"{data} has no property {name}")
         getattr(data, name)
@@ -46,7 +46,7 @@ def draw_all(panels, **members):
     members.setdefault("light", None)
     base = bpy.context
     context = types.SimpleNamespace(
-        scene=base.scene, window_manager=base.window_manager, preferences=base.preferences, **members
+        scene=base.scene, collection=base.collection, window_manager=base.window_manager, preferences=base.preferences, **members
     )
     count = 0
     for panel in panels.CLASSES:

@@ -27,8 +27,8 @@ def area_of(corners):
     return abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
 
 
-def add_lights(document, factor):
-    """`factor`: lumens per watt. Returns sentences about what is left out."""
+def add_lights(document, factor, held):
+    """`factor`: lumens per watt; `held`: lamps.held_lamps(). Returns sentences about what is left out."""
     warnings = []
     matrices = document.world_matrices()
     for index, node in enumerate(document.json.get("nodes", [])):
@@ -39,7 +39,7 @@ def add_lights(document, factor):
         if getattr(light, "spread", math.pi) < math.radians(179.0):
             warnings.append(f'area light "{item.name}": its spread is left out; it shines to all of one side')
         if light.shape != "ELLIPSE":
-            add_light(document, node, light, matrices[index], factor)
+            add_light(document, node, light, matrices[index], factor, held)
             continue
         corners = outline(light)
         scale = np.linalg.norm(np.cross(matrices[index][:3, 0], matrices[index][:3, 1]))
@@ -51,19 +51,21 @@ def add_lights(document, factor):
         # It lights as an emissive surface does. It needs no texels, and Blender's area lights throw no shadow.
         extras = node.setdefault("extras", {})
         extras.update({"halflight_lightmap_scale": 0, "halflight_cast_shadows": 0})
+        if light.get("halflight_group"):
+            extras.setdefault("halflight_group", light["halflight_group"])
         if light.get("halflight_mode") is not None:
             warnings.append(f'area light "{item.name}": an ellipse is always baked, whatever its mode')
     return warnings
 
 
-def add_light(document, node, light, matrix, factor):
+def add_light(document, node, light, matrix, factor, held):
     """A rectangle or disk of the extension: radiance, and sizes that the node's largest scale multiplies."""
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
     width = light.size * scales[0]
     height = (light.size_y if light.shape == "RECTANGLE" else light.size) * scales[1]
     is_disk = light.shape == "DISK"
     area = math.pi / 4 * width * width if is_disk else width * height
-    color, strength = lamps.normalized(*lamps.emission_of(light))
+    color, strength = lamps.split(light, held)
     if area <= 0.0 or strength <= 0.0:
         return
     size = float((width if is_disk else height) / scales.max())

@@ -76,8 +76,9 @@ def export_scene(context, path, units, folder):
     surfaces.split_specular(document)
     surfaces.drop_unread_colors(document)
     scale_emission(document, factor)
-    lamps.complete(document, factor)
-    warnings = area_lights.add_lights(document, factor)
+    held = lamps.held_lamps(context.scene)
+    lamps.complete(document, factor, held)
+    warnings = area_lights.add_lights(document, factor, held)
     extras = document.json["scenes"][document.json.get("scene", 0)].setdefault("extras", {})
     extras.pop("halflight", None)  # settings of the bake, which are not the file's
     extras["halflight_emission_unit"] = "nits"  # it is scaled: the exporter's own files carry the same generator

@@ -9,30 +9,35 @@ import bpy
 LEAST_RING = 1e-4
 
 
-def complete(document, factor):
-    """`factor`: lumens per watt."""
+def complete(document, factor, held):
+    """`factor`: lumens per watt; `held`: held_lamps()."""
     lights = document.json.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
     for node in document.json.get("nodes", []):
         index = node.get("extensions", {}).get("KHR_lights_punctual", {}).get("light")
         item = bpy.data.objects.get(node.get("name", ""))
         if index is not None and item is not None and item.type == "LIGHT":
-            write(lights[index], item.data, factor)
+            write(lights[index], item.data, factor, held)
 
 
-def write(light, data, factor):
+def write(light, data, factor, held):
     extras = light.setdefault("extras", {})
-    color, strength = emission_of(data)
-    light["color"], strength = normalized(color, strength)
+    light["color"], strength = split(data, held)
+    light["intensity"] = strength * intensity_of(data, factor)
     if data.type == "SUN":
-        light["intensity"] = strength * factor
         extras.setdefault("halflight_angular_diameter", math.degrees(data.angle))
     else:
-        light["intensity"] = strength * factor / (4.0 * math.pi) * (mean_cosine(data) if dims(data) else 1.0)
         extras.setdefault("halflight_radius", data.shadow_soft_size)
     if data.type == "SPOT":
         light["spot"] = cone_of(data)
     if not casts_shadows(data):
         extras.setdefault("halflight_cast_shadows", 0)
+
+
+def intensity_of(data, factor):
+    """Lux of a sun, candela of others, of one of Blender's units."""
+    if data.type == "SUN":
+        return factor
+    return factor / (4.0 * math.pi) * (mean_cosine(data) if dims(data) else 1.0)
 
 
 def cone_of(data):
@@ -79,6 +84,24 @@ def emission_node(data):
         return None
     node = output.inputs["Surface"].links[0].from_node
     return node if node.bl_idname == "ShaderNodeEmission" else None
+
+
+def held_lamps(scene):
+    """Lamps that a light group's slider sets: their light at the weight 1, and the weight."""
+    entries = [entry for entry in scene.halflight.light_groups if entry.is_baked]
+    return {member.item: (tuple(member.white), entry.weight()) for entry in entries for member in entry.members}
+
+
+def split(data, held):
+    """Colour and strength in the file. A lamp that its group dims keeps its strength there: the colour is darker, as the bake
+    takes weights from colours."""
+    color, strength = normalized(*emission_of(data))
+    if data not in held:
+        return color, strength
+    white, weight = held[data]
+    now = data.energy * max(data.color)
+    share = max(white) * max(1.0, *weight) / now if now > 0.0 else 1.0
+    return [c / max(share, 1.0) for c in color], strength * max(share, 1.0)
 
 
 def normalized(color, strength):

@@ -84,6 +84,7 @@ class Copy:
         self.surfaced = {}  # copies of data with replaced materials
         self.edited = {}  # copies of data that is in edit mode, by the original
         self.surfaces = surfaces.Surfaces()
+        self.parents = {child: each for each in bpy.data.collections for child in each.children}
 
     def make(self):
         self.scene = empty_copy_of(self.source)
@@ -133,6 +134,7 @@ class Copy:
             copy.parent = self.copy_of(item.parent)
             copy.matrix_parent_inverse = inverse
         self.set_visibility(copy, item)
+        self.set_light_group(copy, item)
         self.set_materials(copy)
         if item.instance_type == "COLLECTION" and item.instance_collection is not None:
             copy.instance_collection = self.collection_of(item.instance_collection)
@@ -196,6 +198,18 @@ class Copy:
             copy["halflight_lightmap_scale"] = 0.0
         if not getattr(item, "visible_shadow", True) and "halflight_cast_shadows" not in copy:
             copy["halflight_cast_shadows"] = 0
+
+    def set_light_group(self, copy, item):
+        """Objects without a light group take that of their collection, or of the next one above it that has one."""
+        instanced = [item.instance_collection] if item.instance_type == "COLLECTION" and item.instance_collection else []
+        if copy.get("halflight_group") or item.parent is not None:  # a parent's group holds for its children
+            return
+        for collection in [*instanced, *item.users_collection]:
+            while collection is not None and not collection.get("halflight_group"):
+                collection = self.parents.get(collection)
+            if collection is not None:
+                copy["halflight_group"] = collection["halflight_group"]
+                return
 
     def set_materials(self, copy):
         """In the data, as exporters take those of modified objects from there. Copies of one mesh share it still."""

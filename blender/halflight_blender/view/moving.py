@@ -13,10 +13,12 @@ from bpy.app.handlers import persistent
 from .. import files
 from ..export import scene_copy
 from ..glb import Glb
-from . import moving_materials, probes, view_lights
+from . import probes, view_groups, view_lights
+from .moving_materials import NAME as LIGHT, attributes_of
 
 MARK = "halflight_moving"  # on copies, and on what the user duplicates of them
 PLACE = "halflight_probed_at"
+WEIGHTS = "halflight_probed_weights"  # of light groups, one after the other
 LEAST_MOVE = 1e-5  # metres
 TRANSFORMS = ("location", "rotation_mode", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 TRANSFORMS += ("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale")
@@ -31,9 +33,8 @@ class Moving(bpy.types.PropertyGroup):
     source: bpy.props.PointerProperty(type=bpy.types.Object)
 
 
-def add(view, collection, items, lights, lumens_per_watt):
-    """`items`: the user's objects. `lights`: node group of the direct light, or None."""
-    surfaces = moving_materials.MovingMaterials(lights, lumens_per_watt)
+def add(view, collection, items, surfaces):
+    """`items`: the user's objects. `surfaces`: MovingMaterials."""
     copies = {item: item.copy() for item in items}
     for item, copy in copies.items():
         copy.name = item.name + " (baked)"
@@ -69,23 +70,29 @@ def copy_of_collection(collection, surfaces):
 
 
 def update(scene, depsgraph, key, folder):
-    """Gives each copy that is not where it was the light of its place."""
+    """Gives each copy that is not where it was the light of its place; all copies, where weights of light groups changed."""
+    weights = view_groups.weights_of(scene)
+    numbers = [number for weight in weights.values() for number in weight]
     moved = []
     for item in scene.objects:
         if MARK not in item:
             continue
         shape = item.evaluated_get(depsgraph)
         middle = middle_of(boxes_of(shape, shape.matrix_world))
-        if np.abs(np.array(item.get(PLACE, (np.inf,) * 3)) - middle).max() > LEAST_MOVE:
+        is_lit = list(item.get(WEIGHTS, [])) == numbers
+        if not is_lit or np.abs(np.array(item.get(PLACE, (np.inf,) * 3)) - middle).max() > LEAST_MOVE:
             moved.append((item, middle))
     if not moved:
         return
     if key not in loaded:
         loaded[key] = probes.Probes(Glb(folder.baked))
+    loaded[key].compose(weights)
     for item, middle in moved:
         factors, occlusion = loaded[key].sample(view_lights.BLENDER_FROM_GLTF[:3, :3].T @ middle)
         item[PLACE] = middle.tolist()
-        for name, value in moving_materials.attributes_of(factors, occlusion).items():
+        if numbers:
+            item[WEIGHTS] = numbers
+        for name, value in attributes_of(factors, occlusion).items():
             item[name] = value
         item.update_tag()
 
@@ -137,7 +144,7 @@ def take_duplicates(view, source, tag):
     shown = {copy.instance_collection: item.instance_collection for copy, item in sources.items() if item is not None}
     for item in list(view.objects):
         if MARK in item and item not in sources:
-            for name in [name for name in item.keys() if name in {tag, MARK, PLACE} or name.startswith(moving_materials.NAME)]:
+            for name in [name for name in item.keys() if name in {tag, MARK, PLACE, WEIGHTS} or name.startswith(LIGHT)]:
                 del item[name]
             item.name = item.name.replace(" (baked)", "")
             if item.type == "EMPTY":

@@ -70,8 +70,9 @@ def attribute(g, number):
 class MovingMaterials:
     """A copy of each of the user's materials that dynamic objects have."""
 
-    def __init__(self, lights, lumens_per_watt):
-        self.lights = lights
+    def __init__(self, lights, groups, lumens_per_watt):
+        self.lights = lights  # node group of the direct light, or None
+        self.groups = groups  # view_groups.Groups
         self.lumens_per_watt = lumens_per_watt
         self.group = None
         self.made = {}
@@ -106,7 +107,7 @@ class MovingMaterials:
         light = self.light(g)
         for node in list(copy.node_tree.nodes):
             if node.bl_idname == "ShaderNodeBsdfPrincipled" or node.bl_idname in surfaces.SHADERS:
-                self.replace(g, node, light)
+                self.replace(g, node, light, material and self.groups.name_of_material(material.name))
         view_materials.leave_out_of_light_sampling(copy)
         return copy
 
@@ -121,8 +122,8 @@ class MovingMaterials:
         g.put(lights.inputs["Alpha"], probes["Alpha"])
         return g.vector("ADD", probes["Irradiance"], lights.outputs["Irradiance"])
 
-    def replace(self, g, node, light):
-        """What the shader's output led to gets emission instead."""
+    def replace(self, g, node, light, group):
+        """What the shader's output led to gets emission instead. `group`: light group of the material's own emission, or None."""
         targets = [link.to_socket for link in node.outputs[0].links]
         if not targets:
             return
@@ -133,7 +134,8 @@ class MovingMaterials:
         radiance = g.scaled(g.vector("MULTIPLY", albedo, light), 1.0 / (math.pi * self.lumens_per_watt))
         if node.bl_idname == "ShaderNodeBsdfPrincipled":
             glow = channels.value(node, "Emission Color", "Emission", default=(0.0, 0.0, 0.0))
-            radiance = g.vector("ADD", radiance, g.scaled(glow, channels.value(node, "Emission Strength", default=1.0)))
+            glow = g.scaled(glow, channels.value(node, "Emission Strength", default=1.0))
+            radiance = g.vector("ADD", radiance, self.groups.changed(g, glow, group) if group else glow)
         emission = g.node("ShaderNodeEmission")
         g.put(emission.inputs["Color"], radiance)
         shader = emission.outputs[0]

@@ -35,12 +35,14 @@ class Probes:
         """`document`: the baked file."""
         root = document.json.get("extensions", {}).get(EXTENSION, {})
         record = root.get("probes", {})
+        self.root, self.weights = root, None
         self.sky = radiance_of_sky(root.get("sky", {}))
         self.count = record.get("count", 0) if "positions" in record else 0
         if self.count == 0:
             return
         self.positions = document.accessor(record["positions"]).astype(np.float64) + root.get("origin", (0.0, 0.0, 0.0))
-        self.radiance = document.accessor(record["radiance"]).reshape(self.count, 9, 3).astype(np.float64)
+        self.rest = self.radiance = self.radiance_in(document, record)
+        self.groups = {group["name"]: self.radiance_in(document, group) for group in root.get("groups", []) if "radiance" in group}
         self.occlusion = document.accessor(record["occlusion"]).astype(np.float64)
         valid = document.accessor(record["valid"]).reshape(-1) if "valid" in record else np.ones(self.count)
         self.valid = np.flatnonzero(valid)
@@ -54,6 +56,19 @@ class Probes:
             volume = np.einsum("ni,ni->n", a, rows[:, 0])
             self.inverse = rows / np.maximum(volume, 1e-30)[:, None, None]
         self.read_sight(document, record)
+
+    def radiance_in(self, document, record):
+        return document.accessor(record["radiance"]).reshape(self.count, 9, 3).astype(np.float64)
+
+    def compose(self, weights):
+        """Adds up the light of groups. `weights`: by name of a group."""
+        if weights == self.weights:
+            return
+        self.weights = weights
+        if self.count > 0:
+            shares = [np.asarray(weights[name]) * light for name, light in self.groups.items() if name in weights]
+            self.radiance = self.rest + sum(shares)
+        self.sky = radiance_of_sky(sky_at(self.root, weights))
 
     def read_sight(self, document, record):
         self.ranges = np.zeros(self.count)
@@ -137,6 +152,23 @@ def irradiance_of(radiance):
     share = np.where(least > factors[0], np.maximum(factors[0], 0.0) / np.maximum(least, 1e-30), 1.0)
     factors[1:] *= share
     return factors
+
+
+def sky_at(root, weights):
+    """The sky's gradient at these weights: docs/format.md, "Light groups"."""
+    sky = {key: root.get("sky", {}).get(key, (0.0, 0.0, 0.0)) for key in ("horizon", "zenith", "ground")}
+    white = max(max(color) for color in sky.values()) or 1.0
+    for group in root.get("groups", []):
+        weight, part = weights.get(group["name"]), group["name"].removeprefix("sky.")
+        if not group.get("sky") or weight is None:
+            continue
+        for key, color in sky.items():
+            if part == key:
+                sky[key] = weight
+            elif part not in sky:
+                pairs = zip(color, weight, group["weight"])
+                sky[key] = [c * w / saved if saved > 0.0 else w * white for c, w, saved in pairs]
+    return sky
 
 
 def radiance_of_sky(sky):

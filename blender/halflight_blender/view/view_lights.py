@@ -42,7 +42,8 @@ def shining_lights(document, bindings):
             {
                 "name": record["node"] or light.get("name", "light"),
                 "type": light["type"],
-                "color": [intensity * c for c in light.get("color", (1.0, 1.0, 1.0))],
+                "color": baking.get("white") or [intensity * c for c in light.get("color", (1.0, 1.0, 1.0))],
+                "group": baking.get("group", -1),
                 "position": matrix[:3, 3].tolist(),
                 "axis": (-matrix[:3, 2] / scales[2]).tolist(),
                 "corners": area_nodes.corners_of(light, matrix[:3, :3] / scales, scales.max(), matrix[:3, 3]),
@@ -74,8 +75,9 @@ def node_at(document, path):
     return index
 
 
-def make_group(lights, encodings):
-    """Inputs: the mask's colour and alpha. Output: irradiance in lux. `encodings`: bake.json's shadowmaskChannels."""
+def make_group(lights, encodings, groups):
+    """Inputs: the mask's colour and alpha. Output: irradiance in lux. `encodings`: bake.json's shadowmaskChannels. `groups`:
+    view_groups.Groups."""
     tree = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
     graph.add_group_socket(tree, "Mask", "NodeSocketColor", False)
     graph.add_group_socket(tree, "Alpha", "NodeSocketFloat", False)
@@ -93,7 +95,10 @@ def make_group(lights, encodings):
         if light["channel"] >= 0:
             factor = g.scalar("MULTIPLY", factor, shadow(g, light, masks[light["channel"]], distance))
         factor = g.scalar("MULTIPLY", factor, g.value(switch_name(light["name"]), 1.0))
-        total = g.vector("ADD", total, g.scaled(light["color"], factor))
+        color = light["color"]  # at the weight 1 of its group
+        if light["group"] >= 0:
+            color = g.vector("MULTIPLY", groups.weight(g, groups.records[light["group"]]["name"]), color)
+        total = g.vector("ADD", total, g.scaled(color, factor))
     g.put(g.node("NodeGroupOutput").inputs["Irradiance"], total)
     return tree
 

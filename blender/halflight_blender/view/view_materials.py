@@ -15,11 +15,12 @@ COLORS = "vertex color"
 class Materials:
     """Makes a material for each pair of glTF material and lightmap page."""
 
-    def __init__(self, document, bindings, folder, lights, lumens_per_watt):
+    def __init__(self, document, bindings, folder, lights, groups, lumens_per_watt):
         self.document = document
         self.bindings = bindings
         self.folder = folder  # of the pictures of `bindings`, and for a moment of those of the document
         self.lights = lights  # node group, or None
+        self.groups = groups  # view_groups.Groups
         self.lumens_per_watt = lumens_per_watt
         self.images = {}
         self.made = {}
@@ -58,6 +59,9 @@ class Materials:
         lightmaps = self.bindings["lightmaps"]
         lightmap = self.file(lightmaps["pages"][page], None)
         light = g.scaled(g.picture(lightmap, uv, "EXTEND")["Color"], lightmaps["unitLux"])
+        if self.groups.records:
+            pictures = [self.picture_of_group(g, record["lightmaps"], page, uv) for record in self.groups.records]
+            light = g.vector("ADD", light, self.groups.irradiance(g, pictures))
         if self.lights is None:
             return light
         group = g.node("ShaderNodeGroup", node_tree=self.lights)
@@ -67,6 +71,11 @@ class Materials:
             g.put(group.inputs["Mask"], mask["Color"])
             g.put(group.inputs["Alpha"], mask["Alpha"])
         return g.vector("ADD", light, group.outputs["Irradiance"])
+
+    def picture_of_group(self, g, lightmaps, page, uv):
+        """None where a group has no light on the page."""
+        name = lightmaps["pages"][page]
+        return g.scaled(g.picture(self.file(name, None), uv, "EXTEND")["Color"], lightmaps["unitLux"]) if name else None
 
     def base_color(self, g, surface, has_colors):
         factor = surface.get("baseColorFactor", [1.0, 1.0, 1.0, 1.0])
@@ -93,6 +102,12 @@ class Materials:
     def emission(self, g, source):
         extension = source.get("extensions", {}).get("KHR_materials_emissive_strength", {})
         strength = extension.get("emissiveStrength", 1.0)
+        baking = source.get("extensions", {}).get("HALFLIGHT_material", {}).get("baking", {})
+        if "group" in baking:
+            white = g.vector("MULTIPLY", self.groups.weight(g, self.groups.name(baking)), baking["white"])
+            if "emissiveTexture" not in source:
+                return white
+            return g.vector("MULTIPLY", self.texture(g, source["emissiveTexture"], "sRGB")["Color"], white)
         factor = [strength * c for c in source.get("emissiveFactor", (0.0, 0.0, 0.0))]
         if "emissiveTexture" not in source or not any(factor):
             return factor
