@@ -66,6 +66,12 @@ vec3 debugView(MeshSurface mesh)
 
 void main()
 {
+    if (kAlphaMode == kAlphaPass) { // multiplies what is behind, before the surface's own light is added
+        vec4 base = materials[push.info.x].baseColor * inColor *
+                    materialTexture(push.info.x, kTextureBaseColor, inUv, vec4(1.0));
+        outRadiance = vec4(passed(push.info.x, inUv, base), 1.0 - coverage(push.info.x, inUv, base.a));
+        return;
+    }
     MeshSurface mesh = readSurface();
     vec3 radiance;
     if (frame.mode.y != kViewLit) {

@@ -21,16 +21,28 @@ vec4 materialTexture(int material, int slot, vec4 uv, vec4 absent)
     return value;
 }
 
+// Share of light that passes as through glass.
+float glassShare(int material, vec4 uv)
+{
+    float through = materials[material].reflection.y;
+    if (through <= 0.0) return 0.0;
+    float metallic = saturate(materials[material].emissiveMetallic.a *
+                              materialTexture(material, kTextureMetallicRoughness, uv, vec4(1.0)).b);
+    return through * materialTexture(material, kTextureTransmission, uv, vec4(1.0)).r * (1.0 - metallic);
+}
+
 // Share of light that the surface stops where base colour and vertices have this alpha: Material::coverage().
 float coverage(int material, vec4 uv, float alpha)
 {
-    float through = materials[material].reflection.y;
-    if (through > 0.0) {
-        float metallic = saturate(materials[material].emissiveMetallic.a *
-                                  materialTexture(material, kTextureMetallicRoughness, uv, vec4(1.0)).b);
-        through *= materialTexture(material, kTextureTransmission, uv, vec4(1.0)).r * (1.0 - metallic);
-    }
-    return coverageOf(alpha, materials[material].parameters.w, materials[material].info.z != 0, through);
+    return coverageOf(alpha, materials[material].parameters.w, materials[material].info.z != 0,
+                      glassShare(material, uv));
+}
+
+// Light that the surface lets through where base colour and vertices are this: Material::passed().
+vec3 passed(int material, vec4 uv, vec4 base)
+{
+    return passedOf(base.a, materials[material].parameters.w, materials[material].info.z != 0,
+                    glassShare(material, uv), base.rgb, materials[material].reflection.z > 0.0);
 }
 
 #endif

@@ -142,14 +142,19 @@ static std::vector<VkPipelineColorBlendAttachmentState> blendAttachments(const G
 {
     const VkColorComponentFlags allComponents =
         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
-    const VkBlendFactor targetFactor =
-        info.blend == Blend::Add ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+    VkBlendFactor source = VK_BLEND_FACTOR_ONE;
+    VkBlendFactor target = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+    if (info.blend == Blend::Add) target = VK_BLEND_FACTOR_ONE;
+    if (info.blend == Blend::Multiply) {
+        source = VK_BLEND_FACTOR_ZERO;
+        target = VK_BLEND_FACTOR_SRC_COLOR; // of the alpha component, the source's alpha
+    }
     return std::vector<VkPipelineColorBlendAttachmentState>(info.colorFormats.size(),
                                                             {.blendEnable = info.blend != Blend::Replace,
-                                                             .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                             .dstColorBlendFactor = targetFactor,
-                                                             .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                             .dstAlphaBlendFactor = targetFactor,
+                                                             .srcColorBlendFactor = source,
+                                                             .dstColorBlendFactor = target,
+                                                             .srcAlphaBlendFactor = source,
+                                                             .dstAlphaBlendFactor = target,
                                                              .colorWriteMask = allComponents});
 }
 

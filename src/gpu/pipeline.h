@@ -55,7 +55,8 @@ UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLay
 UniquePipeline makeComputePipeline(const Device& device, VkPipelineLayout layout, std::span<const uint32_t> spirv);
 
 /// What a fragment does to the target. Premultiplied: source + (1 - source alpha) * target. Add: source + target.
-enum class Blend { Replace, Premultiplied, Add };
+/// Multiply: source * target.
+enum class Blend { Replace, Premultiplied, Add, Multiply };
 
 /// Viewport, scissor, cull mode and front face are dynamic, and the depth bias where it is on.
 struct GraphicsPipelineInfo {

@@ -166,7 +166,7 @@ void Renderer::Impl::ensureTargets(const PreparedFrame& frame, const ShadowSetti
     std::unique_ptr<ForwardPipelines>& made = forwardPipelines[layers];
     if (!made && layers < 2 && preparedForward[layers].valid()) made = preparedForward[layers].get();
     if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, layers);
-    if (!frame.draws.blended.empty()) made->ensureBlend(device, layout, colorFormat, layers);
+    if (!frame.draws.blended.empty()) made->ensureBlend(device, layout, colorFormat, layers, frame.draws.blended);
     if (!frame.deferred) return;
     if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[frame.deferredLayers]; !passes)
         passes = std::make_unique<DeferredPipelines>(device, layout, colorFormat, frame.deferredLayers);

@@ -17,6 +17,15 @@ HL_FN float coverageOf(float alpha, float cutoff, bool blended, float glass)
     return (blended ? saturate(alpha) : 1.0f) * (1.0f - glass);
 }
 
+// Light that a surface lets through at a point, by colour: glass passes its base colour, and so does what alpha leaves
+// open where the material is tinted. Material::passed() is the same of glass without thickness.
+HL_FN vec3 passedOf(float alpha, float cutoff, bool blended, float glass, vec3 base, bool tinted)
+{
+    float there = alpha < cutoff ? 0.0f : (blended ? saturate(alpha) : 1.0f);
+    vec3 color = clamp(base, vec3(0.0f), vec3(1.0f));
+    return (1.0f - there) * (tinted ? color : vec3(1.0f)) + there * glass * color;
+}
+
 HL_NAMESPACE_END
 
 #endif

@@ -223,11 +223,20 @@ void drawBlended(const PassContext& context, const ForwardPipelines& pipelines, 
 {
     if (draws.blended.empty()) return;
     pushClipFromWorld(context, draws.clipFromWorld);
-    bindPipeline(context, pipelines.blend.get());
+    VkPipeline bound = VK_NULL_HANDLE;
+    const auto drawFaces = [&](const Draw& draw, Culling culling) {
+        const VkPipeline once[] = {pipelines.blend.get()};
+        const VkPipeline twice[] = {pipelines.pass.get(), pipelines.add.get()};
+        for (const VkPipeline pipeline : draw.part->tintsLight ? std::span<const VkPipeline>(twice) : once) {
+            if (pipeline != bound) bindPipeline(context, pipeline);
+            bound = pipeline;
+            drawPart(context, draw, culling);
+        }
+    };
     for (const Draw& draw : draws.blended) {
         // Of a closed double-sided surface the far side comes first.
-        if (draw.part->doubleSided) drawPart(context, draw, Culling::Front);
-        drawPart(context, draw, Culling::Back);
+        if (draw.part->doubleSided) drawFaces(draw, Culling::Front);
+        drawFaces(draw, Culling::Back);
     }
 }
 

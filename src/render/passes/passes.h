@@ -35,11 +35,14 @@ constexpr int shaderMaskLayers(int layers)
 /// Surfaces that are lit as they are drawn, for frames that read so many mask layers (spec S11, S36).
 struct ForwardPipelines {
     ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers);
-    /// Before frames that draw blended parts: a CPU driver compiles it for a second.
-    void ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers);
+    /// Before frames that draw these blended parts: a CPU driver compiles a pipeline for a second.
+    void ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers,
+                     std::span<const Draw> blended);
 
     gpu::UniquePipeline lit;
     gpu::UniquePipeline blend;
+    gpu::UniquePipeline pass; ///< of coloured glass: what it lets through
+    gpu::UniquePipeline add;  ///< and its own light
 };
 
 /// What the deferred path draws into besides the picture: see shaders/gbuffer.glsl.

@@ -1,6 +1,7 @@
 // The pipelines and the G-buffer of a frame's passes.
 #include "render/passes/passes.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -135,17 +136,26 @@ ForwardPipelines::ForwardPipelines(const gpu::Device& device, VkPipelineLayout l
 }
 
 void ForwardPipelines::ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
-                                   int maskLayers)
+                                   int maskLayers, std::span<const Draw> blended)
 {
-    if (blend) return;
+    const bool tints = std::ranges::any_of(blended, [](const Draw& draw) { return draw.part->tintsLight; });
+    const bool greys = std::ranges::any_of(blended, [](const Draw& draw) { return !draw.part->tintsLight; });
+    if ((!tints || pass) && (!greys || blend)) return;
     const gpu::UniqueShader vertex = gpu::makeShader(device, mesh_vert);
     const gpu::UniqueShader fragment = gpu::makeShader(device, lit_frag);
     gpu::GraphicsPipelineInfo info = meshPipelineInfo(layout, vertex.get(), fragment.get());
     info.colorFormats = {colorFormat};
     info.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
-    info.blend = gpu::Blend::Premultiplied;
-    info.constants = {uint32_t(shading::kAlphaBlend), uint32_t(maskLayers)};
-    blend = gpu::makePipeline(device, info);
+    const auto make = [&](gpu::UniquePipeline& pipeline, gpu::Blend how, int alphaMode) {
+        if (pipeline) return;
+        info.blend = how;
+        info.constants = {uint32_t(alphaMode), uint32_t(maskLayers)};
+        pipeline = gpu::makePipeline(device, info);
+    };
+    if (greys) make(blend, gpu::Blend::Premultiplied, shading::kAlphaBlend);
+    if (!tints) return;
+    make(pass, gpu::Blend::Multiply, shading::kAlphaPass);
+    make(add, gpu::Blend::Add, shading::kAlphaBlend);
 }
 
 void GBuffer::ensure(const gpu::Device& device, ivec2 size, int maskLayers)

@@ -68,6 +68,7 @@ HL_CONST int kBlendSoft = 2;
 HL_CONST int kAlphaOpaque = 0;
 HL_CONST int kAlphaMask = 1;
 HL_CONST int kAlphaBlend = 2;
+HL_CONST int kAlphaPass = 3; // what a blended surface lets through, by colour
 
 struct GpuFrame {
     vec4 cameraPosition; // xyz world
@@ -149,7 +150,8 @@ struct GpuMaterial {
     vec4 emissiveMetallic; // rgb cd/m2, a metallic
     vec4 parameters;       // x roughness, y normal scale, z occlusion strength, w alpha cutoff
     ivec4 info;            // x 1 = unlit, y 1 = receives shadows, z 1 = alpha is coverage
-    vec4 reflection;       // x specular factor, y what glass lets through where its texture says 1 and metallic is 0
+    vec4 reflection;       // x specular factor, y what glass lets through where its texture says 1 and metallic is 0,
+                           // z 1 = what alpha leaves open takes the base colour
     GpuTextureRef textures[kMaterialTextures];
 };
 

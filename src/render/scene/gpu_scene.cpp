@@ -8,6 +8,7 @@
 #include "render/frame/frame_internal.h"
 #include "render/scene/mipmaps.h"
 #include "render/scene/upload_pages.h"
+#include "scene/model/tint.h"
 
 #include <algorithm>
 #include <array>
@@ -62,6 +63,9 @@ void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& sce
             draw.firstVertex = int32_t(positions.size());
             draw.material = part.material >= 0 ? part.material : int(scene.materials.size());
             draw.alphaMode = material.isBlended() ? Material::AlphaMode::Blend : material.alphaMode;
+            draw.tintsLight =
+                passesBaseColor(material) &&
+                (material.baseColorTexture || vec3(material.baseColor) != vec3(1.0f) || !part.colors.empty());
             draw.doubleSided = isDoubleSided(scene, part);
             draw.castShadows = material.castShadows;
             Bounds bounds;
@@ -130,7 +134,8 @@ GpuMaterial gpuMaterial(const Scene& scene, const Material& material, TextureSlo
                          material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0.0f};
     result.info = ivec4(material.unlit ? 1 : 0, material.receiveShadows ? 1 : 0,
                         material.alphaMode == Material::AlphaMode::Blend ? 1 : 0, 0);
-    result.reflection = vec4(material.specular, kGlassTransmittance * material.transmission, 0.0f, 0.0f);
+    result.reflection =
+        vec4(material.specular, kGlassTransmittance * material.transmission, material.tinted ? 1.0f : 0.0f, 0.0f);
     const std::array<int, 2> sets = setsOf(material);
     const auto ref = [&](int slot, const TextureRef& texture, bool srgb) {
         result.textures[slot] = gpuTextureRef(scene, texture, sets, srgb, slots);

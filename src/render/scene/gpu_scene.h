@@ -29,6 +29,7 @@ struct DrawPart {
     int32_t firstVertex = 0;
     int material = 0; ///< index into the material buffer
     Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
+    bool tintsLight = false; ///< what is seen through it takes its colour
     bool doubleSided = false;
     bool castShadows = true; ///< its material's switch
     vec3 center{0.0f};       ///< of its bounds, object space
