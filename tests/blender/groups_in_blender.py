@@ -196,6 +196,23 @@ def check_one_state(extension):
     expect(close(lamp_light("Point"), (180.0, 90.0, 36.0)), "the slider knows the lamp's new light")
 
 
+def check_world(extension):
+    """A sky in a group of its own: the world follows the slider, and the drawn sky of the view too."""
+    scene = build()
+    scene.halflight_sky_changes, scene.halflight_sky_group = False, "day"
+    stage.bake("world")
+    group(scene, "day").brightness *= 2.0
+    group(scene, "day").color = (1.0, 0.4, 0.4)
+    background = scene.world.node_tree.nodes["Background"].inputs
+    light = [background["Strength"].default_value * c for c in background["Color"].default_value[:3]]
+    day = group(scene, "day")
+    expect(close(light, np.array(day.weight()) * day.members[0].white), f"the world follows: {light}")
+    for name in ("lamps", "spot", "sign"):
+        group(scene, name).brightness = 0.0
+    bpy.context.view_layer.update()
+    compare(extension, scene, "world")
+
+
 def check_not_twice(extension):
     """A lamp with keyframes of its own is moved by nothing else."""
     scene = build()
@@ -289,4 +306,4 @@ def check_files(extension):
     expect(bpy.data.lights["Point"].users == 1, "nor does the file without the extension")
 
 
-stage.run(check_export, check_sums, check_one_state, check_not_twice, check_keyframes, check_files)
+stage.run(check_export, check_sums, check_one_state, check_world, check_not_twice, check_keyframes, check_files)
