@@ -6,6 +6,7 @@
 
 #include "halflight/scene/gltf.h"
 #include "halflight/scene/group_bytes.h"
+#include "halflight/scene/turning_lights.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -93,8 +94,14 @@ Json groupsJson(const BakedScene& baked)
         const BakedGroup& group = baked.groups[g];
         Json lights = Json::array();
         Json materials = Json::array();
-        for (const Light& light : baked.scene.lights)
-            if (light.baking.group == int(g)) lights.push_back(light.name);
+        Json direction;
+        for (const Light& light : baked.scene.lights) {
+            const TurningLight& turning = light.baking.turning;
+            const auto own = std::ptrdiff_t(g) - turning.group;
+            const bool isDirection = turns(light) && own >= 0 && own < std::ssize(turning.directions);
+            if (light.baking.group == int(g) || isDirection) lights.push_back(light.name);
+            if (isDirection) direction = jsonArray(turning.directions[std::size_t(own)]);
+        }
         for (const Material& material : baked.scene.materials)
             if (material.bakedGroup == int(g)) materials.push_back(material.name);
         const auto lit = std::ranges::count_if(group.lightmaps, [](const auto& page) { return !page.empty(); });
@@ -106,6 +113,7 @@ Json groupsJson(const BakedScene& baked)
                           {"lights", lights},
                           {"materials", materials},
                           {"sky", group.sky}});
+        if (!direction.is_null()) groups.back()["direction"] = direction;
     }
     return groups;
 }
@@ -124,6 +132,9 @@ void printGroups(const BakedScene& baked)
             for (const Json& name : groups[g][kind])
                 members += (members.empty() ? "" : ", ") + printable(name.get<std::string>());
         if (group.sky) members += members.empty() ? "the sky" : ", the sky";
+        if (const Json& d = groups[g].value("direction", Json()); !d.is_null())
+            members +=
+                fmt::format(" along {:.3g}, {:.3g}, {:.3g}", d[0].get<float>(), d[1].get<float>(), d[2].get<float>());
         const std::string weight =
             fmt::format("{:.3g}, {:.3g}, {:.3g}", group.weight.x, group.weight.y, group.weight.z);
         print("{:<{}}  {:<18}  {:<9}  {:>8}  {}\n", printable(group.name), width, weight,

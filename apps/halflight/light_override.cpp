@@ -1,7 +1,5 @@
 #include "light_override.h"
 
-#include "console.h"
-
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -101,6 +99,24 @@ Result<LightOverride> parseLightOverride(const std::string& text)
     }
     if (rest.empty()) return malformed(text, "nothing to change");
     return change;
+}
+
+void addLights(CLI::App& app, std::vector<LightOverride>& lights, const std::string& description)
+{
+    const auto check = [](std::string& text) {
+        const Result<LightOverride> change = parseLightOverride(text);
+        return change ? std::string() : change.error().message;
+    };
+    app.add_option_function<std::vector<std::string>>(
+           "--light",
+           [&lights](const std::vector<std::string>& texts) {
+               for (const std::string& text : texts) lights.push_back(*parseLightOverride(text));
+           },
+           description)
+        ->check(CLI::Validator(check, std::string()))
+        ->type_size(1)
+        ->allow_extra_args(false)
+        ->type_name("NAME:KEY=VALUE,…");
 }
 
 Light overridden(Light light, const LightOverride& change, const dvec3& originMeters)

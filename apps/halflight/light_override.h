@@ -2,6 +2,8 @@
 // `--light NAME:intensity=…,color=r,g,b,direction=x,y,z`: a light changed at run time, by the keys of
 // light_override.cpp.
 
+#include "console.h"
+
 #include "halflight/base/result.h"
 #include "halflight/scene/scene.h"
 
@@ -27,6 +29,8 @@ struct LightOverride {
 
 /// InvalidArgument with what is wrong in the text.
 Result<LightOverride> parseLightOverride(const std::string& text);
+/// Adds --light NAME:KEY=VALUE; each use appends to `lights`.
+void addLights(CLI::App& app, std::vector<LightOverride>& lights, const std::string& description);
 /// The scene's lights that are changed, with their indices: every light of a name. InvalidArgument for a name that no
 /// light has.
 Result<std::vector<std::pair<int, Light>>> changedLights(const Scene& scene, const std::vector<LightOverride>& changes);

@@ -60,21 +60,9 @@ void addPictureOptions(CLI::App& app, RenderOptions& options, const std::string&
                     "glossy surfaces reflect the bake's pictures of the rooms, in files that have some (default on)");
     addChoice<bool>(app, "--specular", options.render.specular, {{"on", true}, {"off", false}},
                     "off: surfaces in view are diffuse, to judge a bake alone (default on)");
-    const auto checkLight = [](std::string& text) {
-        const Result<LightOverride> change = parseLightOverride(text);
-        return change ? std::string() : change.error().message;
-    };
-    app.add_option_function<std::vector<std::string>>(
-           "--light",
-           [&options](const std::vector<std::string>& texts) {
-               for (const std::string& text : texts) options.lights.push_back(*parseLightOverride(text));
-           },
-           "change a light since its bake: intensity, color, direction, position, range, strength, inner-cone, "
-           "outer-cone (degrees), depth-bias, slope-bias, normal-bias; may be repeated")
-        ->check(CLI::Validator(checkLight, std::string()))
-        ->type_size(1)
-        ->allow_extra_args(false)
-        ->type_name("NAME:KEY=VALUE,…");
+    addLights(app, options.lights,
+              "change a light since its bake: intensity, color, direction, position, range, strength, inner-cone, "
+              "outer-cone (degrees), depth-bias, slope-bias, normal-bias; may be repeated");
     addGroups(app, options.groups,
               "weight of one of the bake's light groups, one number or three for red, green and blue (default: as the "
               "file has it); may be repeated");

@@ -293,7 +293,7 @@ Result<BakeResult> bakeWith(Scene scene, const BakeSettings& settings, const Int
     BakeResult result;
     BakeReport& report = result.report;
     FileGroup images;
-    Result<LightGrouping> grouping = beginGroups(settings.groups, scene, result.baked);
+    Result<LightGrouping> grouping = beginGroups(settings.groups, settings.mode, scene, result.baked);
     if (!grouping) return grouping.error();
     if (live != nullptr && !grouping->groups.empty()) live->setGroups(*grouping, integratorFactory);
     const BakeRun run{settings, progress, result, live, &images, componentsOf(*grouping)};

@@ -101,7 +101,7 @@ Result<FarmBake> planFarm(Scene scene, const BakeSettings& settings, const Integ
     FirstStages firstStages;
     FarmBake bake;
     bake.inputs = bakeHash(scene, settings).hex();
-    const Result<LightGrouping> grouping = beginGroups(settings.groups, scene, result.baked);
+    const Result<LightGrouping> grouping = beginGroups(settings.groups, settings.mode, scene, result.baked);
     if (!grouping) return grouping.error();
     const BakeRun run{settings, progress, result, nullptr, nullptr, componentsOf(*grouping)};
     const CacheUse use{false, WorkShare{}};
@@ -141,7 +141,7 @@ Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const F
     BakeResult result;
     if (Status status = checkFarmInputs(scene, settings, planned); !status) return status.error();
     if (Status status = checkFarmIdentity(settings, planned, factory); !status) return status.error();
-    const Result<LightGrouping> grouping = beginGroups(settings.groups, scene, result.baked);
+    const Result<LightGrouping> grouping = beginGroups(settings.groups, settings.mode, scene, result.baked);
     if (!grouping) return grouping.error();
     const BakeRun run{settings, progress, result, nullptr, nullptr, componentsOf(*grouping)};
     FirstStages firstStages;

@@ -10,6 +10,7 @@
 #include "halflight/base/parallel.h"
 #include "halflight/render/compose.h"
 #include "halflight/scene/probe_cells.h"
+#include "halflight/scene/turning_lights.h"
 
 #include <algorithm>
 #include <cmath>
@@ -269,12 +270,14 @@ void scaleWhite(float factor, BakedGroup& group, std::vector<ImageRgb32f>& irrad
 
 } // namespace
 
-Result<LightGrouping> beginGroups(GroupChoice choice, Scene& scene, BakedScene& baked)
+Result<LightGrouping> beginGroups(GroupChoice choice, MixedLightingMode mode, Scene& scene, BakedScene& baked)
 {
     for (Material& material : scene.materials) material.bakedGroup = -1; // of an earlier bake
-    Result<LightGrouping> grouping = groupLights(scene, choice);
+    for (Light& light : scene.lights) light.baking.turning = {};
+    Result<LightGrouping> grouping = groupLights(scene, choice, mode);
     if (!grouping) return grouping;
     grouping->exchange(scene);
+    grouping->spread(scene);
     for (std::size_t g = 0; g < grouping->groups.size(); ++g) {
         BakedGroup& group = baked.groups.emplace_back();
         group.name = grouping->groups[g].name;
@@ -289,6 +292,7 @@ void finishGroups(LightGrouping& grouping, BakeResult& result)
     if (grouping.groups.empty()) return;
     BakedScene& baked = result.baked;
     Scene& scene = baked.scene;
+    grouping.gather(scene);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         Light& light = scene.lights[i];
         light.baking.group = grouping.ofLight[i];
@@ -300,7 +304,7 @@ void finishGroups(LightGrouping& grouping, BakeResult& result)
     }
     grouping.exchange(scene);
     for (Light& light : scene.lights)
-        if (light.baking.group >= 0) light.baking.atBake.colorIntensity = light.color * light.intensity;
+        if (light.baking.group >= 0 || turns(light)) light.baking.atBake.colorIntensity = light.color * light.intensity;
     for (std::size_t g = 0; g < baked.groups.size(); ++g)
         scaleWhite(grouping.groups[g].finished, baked.groups[g], result.groupIrradiance[g]);
 }

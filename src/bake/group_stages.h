@@ -14,8 +14,9 @@
 
 namespace halflight {
 
-/// The scene's groups, which are white from then on, noted in the baked scene. Errors: those of groupLights().
-Result<LightGrouping> beginGroups(GroupChoice choice, Scene& scene, BakedScene& baked);
+/// The scene's groups, which are white from then on, noted in the baked scene. Lights that turn are one for each of
+/// their directions until finishGroups(). Errors: those of groupLights().
+Result<LightGrouping> beginGroups(GroupChoice choice, MixedLightingMode mode, Scene& scene, BakedScene& baked);
 
 /// For the integrator: group g is component g + 1.
 LightComponents componentsOf(const LightGrouping& grouping);

@@ -5,6 +5,7 @@
 #include "halflight/render/compose.h"
 #include "halflight/render/frame.h"
 #include "halflight/scene/light_groups.h"
+#include "halflight/scene/turning_lights.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,12 @@ Status checkGroups(const BakedScene& baked)
         if (Status status = checkGroup(baked, group); !status) return status;
     for (const Light& light : baked.scene.lights)
         if (count > 0 && light.baking.group >= count) return broken("its light group does not exist", light.name);
+    for (const Light& light : baked.scene.lights) {
+        const TurningLight& turning = light.baking.turning;
+        if (turns(light) && (turning.directions.empty() ||
+                             std::size_t(turning.group) + turning.directions.size() > baked.groups.size()))
+            return broken("the light groups of its directions do not exist", light.name);
+    }
     for (const Material& material : baked.scene.materials)
         if (count > 0 && material.bakedGroup >= count) return broken("its light group does not exist", material.name);
     return {};

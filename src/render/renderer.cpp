@@ -284,10 +284,8 @@ Status Renderer::setLightGroup(const std::string& name, vec3 weight)
 
 std::vector<GroupWeight> Renderer::lightGroups() const
 {
-    std::vector<GroupWeight> groups;
-    for (std::size_t g = 0; impl_->scene && g < impl_->scene->groups.weights.size(); ++g)
-        groups.push_back({impl_->scene->outline.groups[g].name, impl_->scene->groups.weights[g]});
-    return groups;
+    if (!impl_->scene) return {};
+    return settableWeights(impl_->scene->outline, impl_->scene->groups.weights);
 }
 
 Status Renderer::setObjectTransform(int object, const mat4& worldFromObject)

@@ -55,17 +55,30 @@ struct LightGrouping {
         float intensity = 1.0f;
     };
     std::vector<LightValue> lights; ///< by Scene::lights
-    std::vector<vec3> emission;     ///< nits, by Scene::materials
+    /// Lights that turn (spec S34, turning_lights.h) are in no group by themselves. They have one for each direction.
+    struct Turning {
+        std::size_t light = 0;
+        std::size_t firstGroup = 0;
+        mat4 worldFromLight{1.0f}; ///< pose in the scene
+    };
+    std::vector<Turning> turning;
+    std::vector<vec3> emission; ///< nits, by Scene::materials
     Sky sky;
 
     /// Exchanges the light of the scene's sources with that of this grouping: white by the first call, as the scene had
     /// it by the second.
     void exchange(Scene& scene);
+    /// Puts a light for each direction in the place of every light that turns: the first where it was, the others at
+    /// the end. `ofLight` has their groups.
+    void spread(Scene& scene);
+    /// Takes them away again. `lights` and `ofLight` are those of the scene's own lights.
+    void gather(Scene& scene);
 };
 
 /// Sources without baked light are in no group. Adds warnings of them to the scene's. InvalidArgument where there are
-/// more than kMostLightGroups.
-Result<LightGrouping> groupLights(Scene& scene, GroupChoice choice);
+/// more than kMostLightGroups. Light::directions count in modes whose direct light is of run time.
+Result<LightGrouping> groupLights(Scene& scene, GroupChoice choice,
+                                  MixedLightingMode mode = MixedLightingMode::Shadowmask);
 
 /// Gives materials that emit the groups of their objects' nodes. A material of several groups becomes several, and so
 /// does a mesh. `groups`: by object; empty = the node has none.

@@ -145,6 +145,13 @@ struct LightAtBake {
     vec2 sizeMeters{-1.0f};             ///< of an area light; below 0: not recorded
 };
 
+/// What the bake holds of a light that turns (spec S34, turning_lights.h): light that surfaces reflect of it, by
+/// direction.
+struct TurningLight {
+    int group = -1;               ///< index into BakedScene::groups of the first direction's; the others follow it
+    std::vector<vec3> directions; ///< unit, along which it shone, in the world
+};
+
 /// What the bake did with a light (spec: baking output). The renderer follows this, not the light's authored mode.
 struct BakingOutput {
     bool isBaked = false;                     ///< false for realtime lights and unbaked files
@@ -158,8 +165,10 @@ struct BakingOutput {
     float reachMeters = 0.0f;
     float outerConeRadians = kPi / 2.0f; ///< spot: half angle at bake time; B is 1 outside of it
     LightAtBake atBake;
-    int group = -1;   ///< index into BakedScene::groups, -1 = none
-    vec3 white{0.0f}; ///< of a member of a group, colour times intensity at the weight 1
+    int group = -1; ///< index into BakedScene::groups, -1 = none
+    /// Of a member of a group, and of a light that turns, colour times intensity at the weight 1.
+    vec3 white{0.0f};
+    TurningLight turning; ///< of a light in no group
 };
 
 constexpr float kMaxShadowBias = 100.0f; ///< of a light's own depth bias and slope bias
@@ -176,6 +185,9 @@ struct ShadowBias {
 struct Light {
     std::string name;
     std::string group; ///< light group (light_groups.h); empty = none
+    /// Directional: unit vectors along which it shall be able to shine after a bake, in the world (turning_lights.h);
+    /// empty = it stays as it is.
+    std::vector<vec3> directions;
     LightType type = LightType::Point;
     vec3 color{1.0f};
     /// Candela (point, spot) or lux (directional), as in KHR_lights_punctual; of area lights the radiance of their

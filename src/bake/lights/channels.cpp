@@ -5,12 +5,14 @@
 #include "halflight/base/cone.h"
 #include "halflight/base/mathematics.h"
 #include "halflight/base/text.h"
+#include "halflight/scene/turning_lights.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <utility>
 
 namespace halflight {
 namespace {
@@ -364,7 +366,7 @@ void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode, int mostLaye
     std::vector<int> mixed;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         Light& light = scene.lights[i];
-        light.baking = {};
+        light.baking = BakingOutput{.turning = std::move(light.baking.turning)};
         light.baking.isBaked = light.mode != LightMode::Realtime;
         light.baking.bakeType = light.mode;
         light.baking.mixedMode = mode;
@@ -372,7 +374,8 @@ void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode, int mostLaye
         light.baking.reachMeters = light.type == LightType::Directional ? 0.0f : light.rangeMeters;
         light.baking.outerConeRadians = light.outerConeRadians;
         light.baking.atBake = lightAtBake(light);
-        if (light.mode == LightMode::Mixed) mixed.push_back(int(i));
+        // Shadows of a light that turns are of run time.
+        if (light.mode == LightMode::Mixed && !turns(light)) mixed.push_back(int(i));
     }
     if (mode == MixedLightingMode::Shadowmask) {
         assignShadowmask(scene, std::move(mixed), mostLayers * kLayerChannels);

@@ -3,6 +3,7 @@
 #include "halflight/bake/integrator.h"
 
 #include "halflight/base/text.h"
+#include "halflight/scene/turning_lights.h"
 #include "scene/model/tint.h"
 
 #include <algorithm>
@@ -46,6 +47,7 @@ void reportLights(const Scene& scene, BakeReport& report)
     std::vector<std::string> ended;
     std::vector<std::string> overflowed;
     for (const Light& light : scene.lights) {
+        if (turns(light) && light.baking.turning.directions.empty()) continue; // for the light's further directions
         report.lights.push_back({light.name, light.type, light.mode, light.baking.bakeType,
                                  light.baking.occlusionMaskChannel, light.baking.reason, light.baking.reachMeters});
         if (!light.baking.reason.empty()) overflowed.push_back(light.name);

@@ -2,6 +2,7 @@
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/rgb9e5.h"
+#include "halflight/scene/turning_lights.h"
 #include "halflight/shading/directional.h"
 
 #include <algorithm>
@@ -68,10 +69,18 @@ void composePages(BakedScene& baked, const std::vector<vec3>& weights)
     for (std::size_t p = 0; p < pages.size(); ++p) baked.lightmaps[p] = encodeRgb9e5(pages[p], baked.lightmapUnitLux);
 }
 
+std::string nameOfTurning(const BakedScene& baked, const Light& light)
+{
+    const std::string& first = baked.groups[std::size_t(light.baking.turning.group)].name;
+    const std::string last = nameOfDirection("", 0);
+    return first.ends_with(last) ? first.substr(0, first.size() - last.size()) : first;
+}
+
 Error noGroup(const BakedScene& baked, const std::string& name)
 {
     std::string names;
-    for (const BakedGroup& other : baked.groups) names += (names.empty() ? "" : ", ") + other.name;
+    for (const GroupWeight& other : settableWeights(baked, savedWeights(baked)))
+        names += (names.empty() ? "" : ", ") + other.name;
     const bool ofSky = name == "sky" || name.starts_with("sky.");
     return {ErrorCode::InvalidArgument,
             "has no light group \"" + name + "\"" + (names.empty() ? ", nor any other" : "; its groups are " + names) +
@@ -91,6 +100,20 @@ Status changeGroupWeight(const BakedScene& baked, const GroupWeight& change, std
         if (!(change.weight[c] >= 0.0f && change.weight[c] <= kMostGroupWeight))
             return Error{ErrorCode::InvalidArgument,
                          "the weight of light group \"" + change.name + "\" is not a number of 0 to 10^12", ""};
+    for (const Light& light : baked.scene.lights) {
+        if (!turns(light)) continue;
+        const std::string name = nameOfTurning(baked, light);
+        if (name == change.name) {
+            setTurning(light, change.weight, weights);
+            return {};
+        }
+        for (std::size_t d = 0; d < light.baking.turning.directions.size(); ++d)
+            if (change.name == nameOfDirection(name, d))
+                return Error{ErrorCode::InvalidArgument,
+                             "light group \"" + change.name + "\" is of one direction of light \"" + light.name +
+                                 "\" and follows it: turn the light, or set \"" + name + "\"",
+                             ""};
+    }
     for (std::size_t g = 0; g < baked.groups.size(); ++g) {
         if (parts ? !baked.groups[g].name.starts_with("sky.") : !isNamed(baked.groups[g])) continue;
         weights[g] = change.weight;
@@ -100,10 +123,34 @@ Status changeGroupWeight(const BakedScene& baked, const GroupWeight& change, std
     return {};
 }
 
-Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vector<GroupWeight>& changes)
+std::vector<vec3> savedWeights(const BakedScene& baked)
 {
     std::vector<vec3> weights;
     for (const BakedGroup& group : baked.groups) weights.push_back(group.weight);
+    if (!weights.empty()) followTurningLights(baked.scene.lights, weights);
+    return weights;
+}
+
+std::vector<GroupWeight> settableWeights(const BakedScene& baked, std::span<const vec3> weights)
+{
+    std::vector<GroupWeight> list;
+    for (std::size_t g = 0; g < weights.size();) {
+        const auto ofGroup = [&](const Light& light) { return light.baking.turning.group == int(g); };
+        const auto light = std::ranges::find_if(baked.scene.lights, ofGroup);
+        if (light != baked.scene.lights.end()) {
+            list.push_back({nameOfTurning(baked, *light), weightOfTurning(*light, weights)});
+            g += light->baking.turning.directions.size();
+        } else {
+            list.push_back({baked.groups[g].name, weights[g]});
+            ++g;
+        }
+    }
+    return list;
+}
+
+Result<std::vector<vec3>> groupWeights(const BakedScene& baked, const std::vector<GroupWeight>& changes)
+{
+    std::vector<vec3> weights = savedWeights(baked);
     for (const GroupWeight& change : changes)
         if (Status s = changeGroupWeight(baked, change, weights); !s) return s.error();
     return weights;
@@ -129,7 +176,11 @@ void composeGroups(BakedScene& baked, const std::vector<vec3>& weights)
     for (std::size_t i = 0; i < radiance.size(); ++i) baked.probes.probes[i].radiance = radiance[i];
     composeMembers(baked.scene, baked.groups, weights, baked.scene);
     baked.scene.sky = composedSky(baked.scene.sky, baked.groups, weights);
-    for (Light& light : baked.scene.lights) light.baking.group = -1;
+    for (Light& light : baked.scene.lights) {
+        if (turns(light)) light.baking.worldFromLight = light.worldFromLight;
+        light.baking.turning = {};
+        light.baking.group = -1;
+    }
     for (Material& material : baked.scene.materials) material.bakedGroup = -1;
     baked.groups.clear();
 }

@@ -40,6 +40,9 @@ float distanceTo(const Bounds& box, vec3 point);
 /// Largest distance from a point to a box.
 float farthestIn(const Bounds& box, vec3 point);
 
+/// Whether a part of a box in view lies beyond a distance from the camera.
+bool reachesBeyond(const FrameView& view, std::span<const Bounds> bounds, float distanceMeters);
+
 /// "light "name"", or its number where it has no name.
 std::string nameOf(const Scene& scene, int light);
 

@@ -1,8 +1,11 @@
 // What the weights of light groups make of their members: lights, emission, sky.
 #include "halflight/render/compose.h"
 #include "halflight/scene/light_groups.h"
+#include "halflight/scene/turning_lights.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace halflight {
 namespace {
@@ -32,12 +35,58 @@ bool isSkyPart(const BakedGroup& group)
     return skyPartOf(sky, group.name) != nullptr;
 }
 
+/// Weights of the groups of a light that turns.
+template<typename Vector> std::span<Vector> ownWeights(const Light& light, std::span<Vector> weights)
+{
+    const TurningLight& turning = light.baking.turning;
+    return weights.subspan(std::size_t(turning.group), turning.directions.size());
+}
+
 } // namespace
+
+void followTurningLights(std::span<const Light> lights, std::span<vec3> weights)
+{
+    for (const Light& light : lights) {
+        if (!turns(light)) continue;
+        vec3 all(0.0f);
+        for (int c = 0; c < 3; ++c)
+            if (light.baking.white[c] > 0.0f) all[c] = light.color[c] * light.intensity / light.baking.white[c];
+        setTurning(light, all, weights);
+    }
+}
+
+void setTurning(const Light& light, vec3 weight, std::span<vec3> weights)
+{
+    const std::vector<float> shares = weightsOfDirections(light.baking.turning.directions, light.direction());
+    const std::span<vec3> own = ownWeights(light, weights);
+    float most = 0.0f;
+    float change = 0.0f;
+    for (std::size_t d = 0; d < own.size(); ++d)
+        for (int c = 0; c < 3; ++c) {
+            most = std::max({most, own[d][c], weight[c] * shares[d]});
+            change = std::max(change, std::abs(own[d][c] - weight[c] * shares[d]));
+        }
+    if (change <= kWeightTolerance * most) return; // those of a file went through it
+    for (std::size_t d = 0; d < own.size(); ++d) own[d] = weight * shares[d];
+}
+
+vec3 weightOfTurning(const Light& light, std::span<const vec3> weights)
+{
+    const std::vector<float> shares = weightsOfDirections(light.baking.turning.directions, light.direction());
+    vec3 sum(0.0f);
+    for (const vec3 weight : ownWeights(light, weights)) sum += weight;
+    return sum / std::accumulate(shares.begin(), shares.end(), 0.0f);
+}
 
 void composeMembers(const Scene& saved, std::span<const BakedGroup> groups, std::span<const vec3> weights, Scene& scene)
 {
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         Light& light = scene.lights[i];
+        if (turns(light) && !groups.empty()) {
+            const vec3 target = light.baking.white * weightOfTurning(light, weights);
+            if (!isNear(light.color * light.intensity, target, kWeightTolerance)) setColorIntensity(light, target);
+            light.baking.atBake.colorIntensity = light.color * light.intensity;
+        }
         if (light.baking.group < 0) continue;
         const auto group = std::size_t(light.baking.group);
         const vec3 target = light.baking.white * weights[group];

@@ -1,4 +1,5 @@
 // What a frame does with each light of the scene, in words.
+#include "halflight/scene/turning_lights.h"
 #include "halflight/shading/law.h"
 #include "render/frame/frame_internal.h"
 
@@ -49,6 +50,7 @@ std::string whyNoBakedShadow(const BakedScene& baked, RunMode mode, const Light&
     if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return "a realtime light";
     if (!light.castShadows) return wordsOf(NoShadow::CastShadowsOff);
     if (!(light.shadowStrength > 0.0f)) return wordsOf(NoShadow::StrengthZero);
+    if (turns(light)) return "it turns, so that its shadows are realtime";
     if (mode == RunMode::Subtractive) return "in subtractive mode the main light alone is mixed with probes";
     return light.baking.reason.empty() ? "it has no shadowmask channel" : light.baking.reason;
 }

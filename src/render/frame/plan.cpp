@@ -1,12 +1,15 @@
 // The frame's decisions in their order: lights, cascades, tiles and their casters, clusters.
 #include "halflight/base/mathematics.h"
+#include "halflight/scene/turning_lights.h"
 #include "halflight/shading/law.h"
 #include "render/frame/frame_internal.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstdio>
 
 namespace halflight {
 namespace {
@@ -181,6 +184,24 @@ void findMainShadowReceivers(const ShadowContext& context, FramePlan& plan)
     plan.subtractsByMask = main.hasBaked && context.hasMask;
 }
 
+/// S34. Names lights without baked shadows because they turn, in views that reach beyond the realtime ones.
+void nameMissingShadows(const ShadowContext& context, FramePlan& plan)
+{
+    if (plan.mode == RunMode::Realtime) return;
+    for (const FrameLight& frameLight : plan.lights) {
+        const Light& light = context.scene.lights[std::size_t(frameLight.light)];
+        const float distance = context.settings.distanceMeters;
+        if (!turns(light) || !light.castShadows || !(light.shadowStrength > 0.0f) ||
+            !reachesBeyond(context.view, context.bounds, distance))
+            continue;
+        std::array<char, 64> text{};
+        std::snprintf(text.data(), text.size(), "%.4g m", double(distance));
+        plan.warnings.push_back(nameOf(context.scene, frameLight.light) +
+                                " turns, so that it has no baked shadows: beyond the shadow distance of " +
+                                text.data() + " it throws none; a longer shadow distance reaches farther");
+    }
+}
+
 } // namespace
 
 FramePlan planFrame(const BakedScene& baked, std::span<const Bounds> bounds, const FrameView& view, RunMode mode,
@@ -198,6 +219,7 @@ FramePlan planFrame(const BakedScene& baked, std::span<const Bounds> bounds, con
     selectLights(baked, view, plan);
     planDirectionalShadows(context, plan);
     planLocalShadows(context, plan);
+    nameMissingShadows(context, plan);
     findMainShadowReceivers(context, plan);
     plan.clusters = clusterLights(baked.scene, view, context.sceneBounds, plan.lights);
     return plan;

@@ -85,6 +85,15 @@ float farthestInView(const FrameView& view, std::span<const Bounds> bounds)
     return farthest;
 }
 
+bool reachesBeyond(const FrameView& view, std::span<const Bounds> bounds, float distanceMeters)
+{
+    const Frustum frustum = frustumOf(view);
+    return std::any_of(bounds.begin(), bounds.end(), [&](const Bounds& box) {
+        return farthestIn(box, frustum.eye) > distanceMeters && meets(frustum.planes, box) &&
+               farthestInside(box, frustum) > distanceMeters;
+    });
+}
+
 ShadowSettings shadowsReaching(float farthestMeters, ShadowSettings settings)
 {
     const ShadowSettings usual;

@@ -3,6 +3,7 @@
 #include "halflight/base/mathematics.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/render/compose.h"
+#include "halflight/scene/turning_lights.h"
 #include "render/scene/gpu_scene.h"
 #include "render/scene/upload_pages.h"
 
@@ -134,7 +135,7 @@ void uploadGroups(gpu::Device& device, gpu::Uploader& uploader, const BakedScene
     state.pages = GroupPages(device, uploader, baked);
     scene.lightmaps = state.pages.makeLight(device, composedFormat(device));
     scene.lightmapDirections = state.pages.makeDirections(device);
-    for (const BakedGroup& group : baked.groups) state.weights.push_back(group.weight);
+    state.weights = savedWeights(baked);
     scene.reflections = uploadReflections(device, uploader, composedReflections(baked, state.weights));
     pagesOfGroupsChanged(scene);
     state.saved.lights = baked.scene.lights;
@@ -173,9 +174,16 @@ Status setGroupWeight(GpuScene& scene, const std::string& name, vec3 weight)
 
 void followLight(GpuScene& scene, int light)
 {
-    const int group = scene.outline.scene.lights[std::size_t(light)].baking.group;
-    if (group < 0 || scene.outline.groups.empty()) return;
+    if (scene.outline.groups.empty()) return;
+    const Light& changed = scene.outline.scene.lights[std::size_t(light)];
     std::vector<vec3> weights = scene.groups.weights;
+    if (turns(changed)) {
+        followTurningLights({&changed, 1}, weights);
+        setGroupWeights(scene, std::move(weights));
+        return;
+    }
+    const int group = changed.baking.group;
+    if (group < 0) return;
     const std::optional<vec3> weight = weightOfLights(scene.outline.scene, group, weights[std::size_t(group)]);
     if (!weight) return;
     weights[std::size_t(group)] = *weight;

@@ -1,5 +1,5 @@
 // What was changed of a light since its bake, and what of it shows (spec S29).
-#include "halflight/scene/scene.h"
+#include "halflight/scene/turning_lights.h"
 
 #include <algorithm>
 #include <array>
@@ -99,6 +99,17 @@ std::string grownReachOf(const Light& light, const std::string& name)
            " it has no baked shadow and no bounced light; bake the scene again";
 }
 
+/// A light that turns, away from all directions of its bake; empty where it is near one.
+std::string turnedAway(const Light& light, const std::string& name)
+{
+    if (!turns(light)) return {};
+    const float away = angleToNearest(light.baking.turning.directions, light.direction());
+    if (away <= kMostStepRadians + kTolerance) return {};
+    return name + " shines " + number(glm::degrees(away), " degrees") +
+           " away from the nearest direction of its bake: its bounced light is that of there, dimmed; bake the scene "
+           "again, with this direction among its halflight_directions";
+}
+
 } // namespace
 
 LightAtBake lightAtBake(const Light& light)
@@ -157,7 +168,8 @@ std::vector<std::string> changesSinceBake(const Light& light, const std::string&
                                 "lightmap; bake the scene again, or use shadowmask mode");
         return sentences;
     }
-    for (const std::string& sentence : {bouncedLightOf(light, name), grownReachOf(light, name)}) {
+    for (const std::string& sentence :
+         {bouncedLightOf(light, name), grownReachOf(light, name), turnedAway(light, name)}) {
         if (!sentence.empty()) sentences.push_back(sentence);
     }
     return sentences;

@@ -1,7 +1,9 @@
 #include "halflight/scene/light_groups.h"
 
+#include "halflight/scene/turning_lights.h"
+#include "scene/model/pose.h"
+
 #include <algorithm>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -58,7 +60,7 @@ private:
 
 class Grouper {
 public:
-    Grouper(Scene& scene, GroupChoice choice) : scene_(scene), choice_(choice) {}
+    Grouper(Scene& scene, GroupChoice choice, MixedLightingMode mode) : scene_(scene), choice_(choice), mode_(mode) {}
 
     Result<LightGrouping> group()
     {
@@ -82,6 +84,7 @@ private:
         if (choice_ == GroupChoice::Off) return;
         for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
             const Light& light = scene_.lights[i];
+            if (canTurn(light)) continue;
             const std::string& name = choice_ == GroupChoice::Each ? light.name : light.group;
             if (light.mode != LightMode::Realtime) {
                 grouping_.ofLight[i] = groupNamed(name, "light");
@@ -104,6 +107,54 @@ private:
         } else if (choice_ == GroupChoice::Authored) {
             grouping_.ofSky.fill(groupNamed(scene_.sky.group, "sky"));
         }
+        for (std::size_t i = 0; i < scene_.lights.size(); ++i) addDirections(i);
+    }
+
+    [[nodiscard]] bool canTurn(const Light& light) const
+    {
+        return !light.directions.empty() && light.type == LightType::Directional && light.mode == LightMode::Mixed &&
+               mode_ != MixedLightingMode::Subtractive;
+    }
+
+    /// Groups of a light that turns.
+    void addDirections(std::size_t index)
+    {
+        const Light& light = scene_.lights[index];
+        if (light.directions.empty()) return;
+        const std::string name = "light " + light.name;
+        if (!canTurn(light)) {
+            scene_.warnings.push_back(
+                name +
+                (light.mode == LightMode::Mixed
+                     ? " has halflight_directions, which have no effect: subtractive bakes hold its direct light; "
+                       "bake with --mode shadowmask or baked-indirect"
+                     : std::string(" is ") + nameOf(light.mode) + ", so that its halflight_directions have no " +
+                           "effect: make it mixed"));
+            return;
+        }
+        if (!light.group.empty())
+            scene_.warnings.push_back(name + " turns, so that it is no member of the light group \"" + light.group +
+                                      "\": each of its directions is a group");
+        for (std::string& sentence : sparseDirections(light)) scene_.warnings.push_back(std::move(sentence));
+        grouping_.turning.push_back({index, grouping_.groups.size(), light.worldFromLight});
+        const std::string base = freeBase(light);
+        for (std::size_t d = 0; d < light.directions.size(); ++d)
+            grouping_.groups.push_back({nameOfDirection(base, d), vec3(0.0f)});
+    }
+
+    /// The light's name, or another one of which no group begins.
+    [[nodiscard]] std::string freeBase(const Light& light) const
+    {
+        const std::string last = nameOfDirection(light.name, kMostDirections - 1);
+        const std::string first = isGroupName(last) ? light.name : "light";
+        const auto taken = [&](const std::string& base) {
+            return std::ranges::any_of(grouping_.groups, [&](const LightGroup& group) {
+                return group.name == base || group.name.starts_with(base + ".");
+            });
+        };
+        std::string base = first;
+        for (int n = 2; taken(base); ++n) base = first.substr(0, kMostGroupName - 9) + " " + std::to_string(n);
+        return base;
     }
 
     void addSkyParts()
@@ -160,9 +211,13 @@ private:
         for (std::size_t i = 0; i < scene_.materials.size(); ++i)
             addTo(grouping_.ofMaterial[i], memberOf(scene_.materials[i].emissiveNits));
         if (!skyHasParts()) addTo(grouping_.ofSky[0], memberOf(scene_.sky));
+        for (const LightGrouping::Turning& turning : grouping_.turning) {
+            const Light& light = scene_.lights[turning.light];
+            addTo(int(turning.firstGroup), {light.color, light.intensity});
+        }
         for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
             Member light{scene_.lights[i].color, scene_.lights[i].intensity};
-            if (const int group = grouping_.ofLight[i]; group >= 0) light = white[std::size_t(group)].of(light);
+            if (const int group = whiteOf(i); group >= 0) light = white[std::size_t(group)].of(light);
             grouping_.lights.push_back({light.color, light.intensity});
         }
         for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
@@ -180,6 +235,20 @@ private:
             grouping_.sky = whiteSky(white[std::size_t(grouping_.ofSky[0])]);
         }
         for (std::size_t g = 0; g < white.size(); ++g) grouping_.groups[g].weight = white[g].weight();
+        for (const LightGrouping::Turning& turning : grouping_.turning) {
+            const Light& light = scene_.lights[turning.light];
+            const std::vector<float> shares = weightsOfDirections(light.directions, light.direction());
+            const vec3 all = white[turning.firstGroup].weight();
+            for (std::size_t d = 0; d < shares.size(); ++d)
+                grouping_.groups[turning.firstGroup + d].weight = shares[d] * all;
+        }
+    }
+
+    /// The group that has the white of a light.
+    [[nodiscard]] int whiteOf(std::size_t light) const
+    {
+        const auto turning = std::ranges::find(grouping_.turning, light, &LightGrouping::Turning::light);
+        return turning != grouping_.turning.end() ? int(turning->firstGroup) : grouping_.ofLight[light];
     }
 
     [[nodiscard]] bool skyHasParts() const { return grouping_.ofSky[0] != grouping_.ofSky[1]; }
@@ -213,6 +282,7 @@ private:
 
     Scene& scene_;
     GroupChoice choice_;
+    MixedLightingMode mode_;
     LightGrouping grouping_;
 };
 
@@ -232,8 +302,7 @@ const char* nameOf(GroupChoice choice)
 
 void LightGrouping::exchange(Scene& scene)
 {
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        if (ofLight[i] < 0) continue;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) { // of others, the light is the same
         std::swap(scene.lights[i].color, lights[i].color);
         std::swap(scene.lights[i].intensity, lights[i].intensity);
     }
@@ -242,52 +311,38 @@ void LightGrouping::exchange(Scene& scene)
     if (ofSky[0] >= 0) std::swap(scene.sky, sky);
 }
 
-Result<LightGrouping> groupLights(Scene& scene, GroupChoice choice)
+void LightGrouping::spread(Scene& scene)
 {
-    return Grouper(scene, choice).group();
+    for (const Turning& of : turning) {
+        const std::vector<vec3> directions = scene.lights[of.light].directions;
+        for (std::size_t d = 0; d < directions.size(); ++d) {
+            const std::size_t place = d == 0 ? of.light : scene.lights.size();
+            if (d > 0) {
+                scene.lights.push_back(Light(scene.lights[of.light]));
+                ofLight.push_back(-1);
+            }
+            Light& light = scene.lights[place];
+            light.worldFromLight = poseLookingAlong(light.position(), directions[d]);
+            light.baking.turning = {int(of.firstGroup), d == 0 ? directions : std::vector<vec3>()};
+            ofLight[place] = int(of.firstGroup + d);
+        }
+    }
 }
 
-void groupEmission(Scene& scene, const std::vector<std::string>& groups)
+void LightGrouping::gather(Scene& scene)
 {
-    using Place = std::pair<int, std::string>;       // a mesh or a material, and a group
-    std::map<int, std::set<std::string>> ofMaterial; // groups of its objects
-    std::map<int, std::set<std::string>> ofMesh;
-    const auto emits = [&](const MeshPart& part) { return materialOf(scene, part).emissiveNits != vec3(0.0f); };
-    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-        const int mesh = scene.objects[i].mesh;
-        ofMesh[mesh].insert(groups[i]);
-        for (const MeshPart& part : scene.meshes[std::size_t(mesh)].parts)
-            if (part.material >= 0 && emits(part)) ofMaterial[part.material].insert(groups[i]);
+    scene.lights.resize(lights.size());
+    ofLight.resize(lights.size());
+    for (const Turning& of : turning) {
+        Light& light = scene.lights[of.light];
+        light.worldFromLight = light.baking.worldFromLight = of.worldFromLight;
+        ofLight[of.light] = -1;
     }
-    std::map<Place, int> materials;
-    const auto materialIn = [&](int material, const std::string& group) {
-        if (scene.materials[std::size_t(material)].group == group) return material;
-        const auto [entry, isNew] = materials.try_emplace({material, group}, material);
-        if (!isNew) return entry->second;
-        if (ofMaterial[material].size() > 1) {
-            entry->second = int(scene.materials.size());
-            scene.materials.push_back(Material(scene.materials[std::size_t(material)]));
-        }
-        scene.materials[std::size_t(entry->second)].group = group;
-        return entry->second;
-    };
-    std::map<Place, int> meshes;
-    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-        const std::string& group = groups[i];
-        int& mesh = scene.objects[i].mesh;
-        const std::vector<MeshPart>& parts = scene.meshes[std::size_t(mesh)].parts;
-        if (group.empty() || std::ranges::none_of(parts, emits)) continue;
-        const auto [entry, isNew] = meshes.try_emplace({mesh, group}, mesh);
-        if (isNew) {
-            if (ofMesh[mesh].size() > 1) {
-                entry->second = int(scene.meshes.size());
-                scene.meshes.push_back(Mesh(scene.meshes[std::size_t(mesh)]));
-            }
-            for (MeshPart& part : scene.meshes[std::size_t(entry->second)].parts)
-                if (part.material >= 0 && emits(part)) part.material = materialIn(part.material, group);
-        }
-        mesh = entry->second;
-    }
+}
+
+Result<LightGrouping> groupLights(Scene& scene, GroupChoice choice, MixedLightingMode mode)
+{
+    return Grouper(scene, choice, mode).group();
 }
 
 vec3* skyPartOf(Sky& sky, std::string_view group)

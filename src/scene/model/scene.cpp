@@ -1,4 +1,4 @@
-#include "halflight/scene/scene.h"
+#include "halflight/scene/turning_lights.h"
 
 #include <algorithm>
 
@@ -36,7 +36,7 @@ const char* nameOf(EmissionUnit unit)
 
 bool movedSinceBake(const Light& light)
 {
-    if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return false;
+    if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime || turns(light)) return false;
     constexpr float kTolerance = 1.0e-3f; // metres, and radians of the axis
     const bool positionMatters = light.type != LightType::Directional;
     const bool axisMatters = light.type != LightType::Point;

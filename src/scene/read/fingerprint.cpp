@@ -127,6 +127,8 @@ Hash128 contentHash(const Scene& scene)
     for (const Material& material : scene.materials) hasher.add(std::string_view(material.group));
     hasher.add(std::string_view(scene.sky.group));
     if (scene.sky.changes) hasher.add(1);
+    for (const Light& light : scene.lights)
+        for (const vec3 direction : light.directions) hasher.add(std::string_view(light.name)).add(direction);
     hasher.add(scene.originMeters);
     hasher.add(int(scene.subtractiveShadowColor.has_value())).add(scene.subtractiveShadowColor.value_or(vec3(0.0f)));
     return hasher.add(scene.probePositions).add(scene.reflectionBoxes).hash();

@@ -1,6 +1,7 @@
 #include "scene/read/read_groups.h"
 
 #include "halflight/scene/light_groups.h"
+#include "halflight/scene/turning_lights.h"
 #include "scene/format/bake_members.h"
 #include "scene/read/read_baked.h"
 #include "scene/read/read_reflections.h"
@@ -21,7 +22,10 @@ Status readGroups(const Json& root, BakedScene& baked)
 {
     const Json& groups = member(root, "groups");
     if (groups.is_null()) {
-        for (Light& light : baked.scene.lights) light.baking.group = -1;
+        for (Light& light : baked.scene.lights) {
+            light.baking.group = -1;
+            light.baking.turning = {};
+        }
         for (Material& material : baked.scene.materials) material.bakedGroup = -1;
         return {};
     }
@@ -47,6 +51,12 @@ Status readGroups(const Json& root, BakedScene& baked)
     for (const Light& light : baked.scene.lights)
         if (light.baking.group >= int(groups.size()))
             return invalid(kBakePath, "light \"" + light.name + "\" is in a light group that the file lacks");
+    for (const Light& light : baked.scene.lights) {
+        const TurningLight& turning = light.baking.turning;
+        const std::size_t end = std::size_t(std::max(turning.group, 0)) + turning.directions.size();
+        if (turns(light) && (turning.directions.empty() || end > groups.size() || light.baking.group >= 0))
+            return invalid(kBakePath, "light \"" + light.name + "\" turns by light groups that the file lacks");
+    }
     for (const Material& material : baked.scene.materials)
         if (material.bakedGroup >= int(groups.size()))
             return invalid(kBakePath, "material \"" + material.name + "\" is in a light group that the file lacks");

@@ -64,6 +64,7 @@ void applySettings(const LightSettings& settings, Light& light)
     light.intensity = settings.intensity.value_or(light.intensity);
     light.color = settings.color.value_or(light.color);
     light.group = settings.group.value_or(light.group);
+    light.directions = settings.directions.value_or(light.directions);
 }
 
 void applySettings(const MaterialSettings& settings, Material& material)

@@ -1,6 +1,7 @@
 #include "scene/settings/setting_values.h"
 
 #include "halflight/scene/light_groups.h"
+#include "halflight/scene/turning_lights.h"
 
 namespace halflight {
 
@@ -73,6 +74,24 @@ Expectation readPoints(const Json& value, std::optional<std::vector<glm::dvec3>>
         }
     }
     out = std::move(points);
+    return nullptr;
+}
+
+Expectation readDirections(const Json& value, std::optional<std::vector<vec3>>& out)
+{
+    constexpr Expectation kExpectation =
+        "a list of at most 12 directions [x, y, z], not zero, each a degree or more from the others";
+    std::optional<std::vector<glm::dvec3>> points;
+    if (readPoints(value, points) != nullptr || points->size() > kMostDirections) return kExpectation;
+    std::vector<vec3> directions;
+    for (const glm::dvec3& point : *points) {
+        const double length = glm::length(point);
+        if (!(length > 1.0e-6) || !std::isfinite(length)) return kExpectation;
+        const vec3 direction(point / length);
+        if (!directions.empty() && angleToNearest(directions, direction) < kLeastStepRadians) return kExpectation;
+        directions.push_back(direction);
+    }
+    out = std::move(directions);
     return nullptr;
 }
 

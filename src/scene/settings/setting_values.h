@@ -26,6 +26,8 @@ Expectation readColor(const Json& value, std::optional<vec3>& out);
 Expectation readGroup(const Json& value, std::optional<std::string>& out);
 /// [[x, y, z], …], or one flat list, since some tools (Blender) know no lists of lists.
 Expectation readPoints(const Json& value, std::optional<std::vector<glm::dvec3>>& out);
+/// The same of up to kMostDirections directions of any length, which become unit vectors.
+Expectation readDirections(const Json& value, std::optional<std::vector<vec3>>& out);
 
 /// The inverse of nameOf() in scene.h.
 std::optional<LightType> lightTypeNamed(std::string_view name);

@@ -104,6 +104,7 @@ const std::vector<Key<LightSettings>>& lightKeys()
          [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.intensity); }},
         {"color", [](const Json& v, LightSettings& s) { return readColor(v, s.color); }},
         {"group", [](const Json& v, LightSettings& s) { return readGroup(v, s.group); }},
+        {"directions", [](const Json& v, LightSettings& s) { return readDirections(v, s.directions); }},
     };
     return keys;
 }

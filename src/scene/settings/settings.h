@@ -48,6 +48,7 @@ struct LightSettings {
     std::optional<float> intensity;
     std::optional<vec3> color;
     std::optional<std::string> group;
+    std::optional<std::vector<vec3>> directions; ///< unit, in the file's world
 };
 
 struct SceneSettings {

@@ -1,5 +1,6 @@
 #include "scene/write/write_groups.h"
 
+#include "halflight/base/encoded_image.h"
 #include "scene/pictures/ktx2.h"
 #include "scene/write/write_bake_pictures.h"
 #include "scene/write/write_reflections.h"

@@ -1,6 +1,8 @@
 #include "scene/write/write_lights.h"
 
+#include "halflight/scene/turning_lights.h"
 #include "scene/model/origin.h"
+#include "scene/model/pose.h"
 #include "scene/read/geometry/nodes.h"
 #include "scene/read/looks/light_shapes.h"
 
@@ -47,6 +49,8 @@ public:
             }
             bool added = false;
             const int node = place(light, added);
+            if (!added && !light.directions.empty())
+                if (Status s = turn(light); !s) return s;
             nodeJson(node)["extensions"][kLightExtension] = record(light, added);
         }
         return {};
@@ -94,6 +98,40 @@ private:
         return node;
     }
 
+    /// The node of a light that turns, where the light was turned since it was read.
+    Status turn(const Light& light)
+    {
+        const Json& nodes = source_.json["nodes"];
+        const std::vector<int> parents = parentsOf(nodes);
+        glm::dmat4 worldFromParent(1.0);
+        glm::dmat4 local(1.0);
+        for (int n = light.sourceNode; n >= 0; n = parents[std::size_t(n)]) {
+            const auto own = localTransform(nodes[std::size_t(n)], pathOf("nodes", std::size_t(n)));
+            if (!own) return own.error();
+            if (n == light.sourceNode)
+                local = *own;
+            else
+                worldFromParent = *own * worldFromParent;
+        }
+        constexpr double kRounding = 1.0e-5; // radians
+        const dvec3 now = -glm::normalize(dvec3((worldFromParent * local)[2]));
+        if (glm::distance(now, dvec3(light.direction())) <= kRounding) return {};
+        Json& node = nodeJson(light.sourceNode);
+        for (const char* other : {"children", "mesh", "camera"})
+            if (node.contains(other))
+                return Error{ErrorCode::Unsupported,
+                             "light \"" + light.name +
+                                 "\" was turned, and other things are in its node or below it, "
+                                 "which would turn too: give the light a node of its own",
+                             pathOf("nodes", std::size_t(light.sourceNode))};
+        const dvec3 along = glm::inverse(glm::dmat3(worldFromParent)) * dvec3(light.direction());
+        const quat turned = glm::quat_cast(mat3(poseLookingAlong(vec3(0.0f), vec3(glm::normalize(along)))));
+        for (const char* key : {"matrix", "scale", "rotation"}) node.erase(key);
+        node["translation"] = numbers(vec3(local[3]));
+        node["rotation"] = {turned.x, turned.y, turned.z, turned.w};
+        return {};
+    }
+
     void addLight(const Light& light, Json& node)
     {
         node["extensions"][extensionNameOf(light)] = {{"light", lightList(light).size()}};
@@ -111,6 +149,7 @@ private:
         if (isAreaLight(light.type) && light.rangeMeters > 0.0f) record["range"] = light.rangeMeters;
         if (const Json bias = biasJson(light.shadowBias); !bias.empty()) record["shadowBias"] = bias;
         if (!light.group.empty()) record["group"] = light.group;
+        for (const vec3 direction : light.directions) record["directions"].push_back(numbers(direction));
         if (added) record["added"] = true;
         if (!light.baking.isBaked) return record;
         Json& baking = record["baking"];
@@ -124,6 +163,12 @@ private:
         if (light.baking.atBake.known) baking["atBake"] = atBakeJson(light.baking.atBake);
         if (light.baking.group >= 0) {
             baking["group"] = light.baking.group;
+            baking["white"] = numbers(light.baking.white);
+        }
+        if (turns(light)) {
+            baking["turns"]["group"] = light.baking.turning.group;
+            for (const vec3 direction : light.baking.turning.directions)
+                baking["turns"]["directions"].push_back(numbers(direction));
             baking["white"] = numbers(light.baking.white);
         }
         if (!light.baking.reason.empty()) baking["reason"] = light.baking.reason;

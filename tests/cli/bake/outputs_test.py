@@ -3,6 +3,7 @@
 
 import glob
 import json
+import math
 import os
 import struct
 
@@ -134,6 +135,43 @@ class LightGroups(Case):
             self.assertEqual(run("render", file, "-o", self.path(name), *size, *changes).returncode, 0)
             pictures.append(read(self.path(name)))
         self.assertEqual(*pictures)
+
+    def test_a_sun_that_turns(self):
+        """S34"""
+        settings = self.path("sun.toml")
+        with open(settings, "w", encoding="utf-8") as file:
+            file.write('[[light]]\npattern = "sun"\nmode = "mixed"\n'
+                       "directions = [[-0.56, -0.6, -0.57], [-0.36, -0.6, -0.72], [-0.12, -0.6, -0.79]]\n")
+        baked, info = self.baked_groups("--settings", settings)
+        suns = [group for group in info["groups"] if group["name"].startswith("sun")]
+        self.assertEqual([sun["name"] for sun in suns], ["sun.1", "sun.2", "sun.3"])
+        self.assertTrue(all(sun["lights"] == ["sun"] and sun["bytes"] > 0 for sun in suns))
+        self.assertAlmostEqual(suns[0]["direction"][1], -0.6 / math.sqrt(0.56**2 + 0.6**2 + 0.57**2), 4)
+        self.assertGreater(suns[1]["weight"][0], 0.9, "where it shines in the scene")
+        self.assertIn("along -0.", run("info", baked).stdout)
+        state = self.path("state.glb")
+        turned = ["--light", "sun:direction=-0.46,-0.6,-0.65,color=1,1,1,intensity=20"]
+        result = run("compose", baked, "-o", state, *turned, "--group", "lamp=0")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("sun=0.5", result.stdout)
+        info = json.loads(run("info", state, "--json").stdout)
+        self.assertEqual([w for w in info["warnings"] if "stale" in w], [])
+        pictures = []
+        for name, file, options in (("a.png", baked, [*turned, "--group", "lamp=0"]), ("b.png", state, [])):
+            size = ["--size", "64x64", "--exposure", "2", "-q"]
+            self.assertEqual(run("render", file, "-o", self.path(name), *size, *options).returncode, 0)
+            pictures.append(decode_png(self.path(name))[2])
+        for a, b in zip(*(sum(rows, []) for rows in pictures)):
+            self.assertLessEqual(max(abs(x - y) for x, y in zip(a, b)), 2)
+        far = run("compose", baked, "-o", state, "--light", "sun:direction=1,-1,0")
+        self.assertRegex(far.stderr, r'light "sun" shines \d+.* degrees away from the nearest direction of its bake')
+        short = run("render", baked, "-o", self.path("a.png"), "--shadow-distance", "1", "--size", "64x64")
+        self.assertIn("sun\" turns, so that it has no baked shadows: beyond the shadow distance of 1 m", short.stderr)
+        out = ["-o", self.path("x.glb")]
+        self.assert_one_sentence(run("compose", baked, *out, "--group", "sun.2=1"), 1, 'turn the light, or set "sun"')
+        self.assert_one_sentence(run("compose", baked, *out, "--light", "lamp:intensity=1"), 1, '"lamp" does not turn')
+        self.assert_one_sentence(run("compose", baked, *out, "--light", "sun:strength=0.5"), 1, "nothing else")
+        self.assert_one_sentence(run("compose", baked, *out, "--light", "moon:intensity=1"), 1, "moon")
 
 
 class Progress(Case):

@@ -29,6 +29,8 @@ export interface LightData {
     group: number;
     /** Colour times intensity at the weight 1. */
     white: number[];
+    /** Of a light that turns: the first direction's group, and unit vectors along which it shone in the bake. */
+    turns?: { group: number; directions: number[][] };
 }
 
 /** Light by itself, at the weight 1. */

@@ -129,6 +129,8 @@ class InfoGroup(Record):
     lights: List[str]
     materials: List[str]
     sky: bool
+    # Of a light that turns: along which it shone in the bake of this group.
+    direction: Optional[List[float]] = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 #include "halflight/base/text.h"
 #include "halflight/scene/light_groups.h"
 #include "halflight/scene/mask_values.h"
+#include "halflight/scene/turning_lights.h"
 #include "scene/model/origin.h"
 #include "scene/model/pose.h"
 #include "scene/read/looks/light_shapes.h"
@@ -63,6 +64,19 @@ Status readName(const Json& object, const char* key, const Named& named, const s
     return {};
 }
 
+Status readUnitVectors(const Json& list, const std::string& path, std::vector<vec3>& out)
+{
+    constexpr float kTolerance = 1.0e-3f;
+    out.clear();
+    for (const Json& json : list) {
+        vec3 direction(0.0f);
+        const bool isUnit = readVec3(json, direction) && std::abs(glm::length(direction) - 1.0f) <= kTolerance;
+        if (!isUnit || out.size() == kMostDirections) return invalid(path, "is no list of at most 12 unit vectors");
+        out.push_back(direction);
+    }
+    return {};
+}
+
 // What an earlier bake wrote down about the light (HALFLIGHT_light): its settings and the bake's output. checkTypes()
 // has seen the types.
 Status readRecord(const Json& record, const std::string& path, const glm::dvec3& origin, Light& light)
@@ -75,6 +89,8 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
     if (Status s = readNumber(record, "radius", 0.0f, kMax, path, light.radiusMeters); !s) return s;
     if (Status s = readNumber(record, "angularRadius", 0.0f, kPi, path, light.angularRadiusRadians); !s) return s;
     if (std::string group = stringOf(record, "group"); isGroupName(group)) light.group = std::move(group);
+    if (const Json& list = member(record, "directions"); list.is_array())
+        if (Status s = readUnitVectors(list, path + "/directions", light.directions); !s) return s;
     const Json& cast = member(record, "castShadows");
     if (cast.is_boolean()) light.castShadows = cast.get<bool>();
     if (isAreaLight(light.type)) { // EXT_lights_area has no range
@@ -111,6 +127,12 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
         output.group = group.get<int>();
         readVec3(member(baking, "white"), output.white);
     }
+    if (const Json& turns = member(baking, "turns"); turns.is_object()) {
+        output.turning.group = turns.value("group", -1);
+        const std::string place = path + "/baking/turns/directions";
+        if (Status s = readUnitVectors(member(turns, "directions"), place, output.turning.directions); !s) return s;
+        readVec3(member(baking, "white"), output.white);
+    }
     if (glm::dmat4 pose(1.0); readMatrix(member(baking, "worldFromLight"), pose))
         output.worldFromLight = localFromWorld(pose, origin);
     // Lights without a range have no reach unless the bake gave them one; other lights without a record are of files
@@ -135,6 +157,9 @@ void warnWithoutEffect(const LightSettings& settings, const Light& light, const 
         warnings.push_back(where + ": light " + light.name + " is no area light, so its size has no effect");
     if (settings.radiusMeters && isAreaLight(light.type))
         warnings.push_back(where + ": light " + light.name + " is an area light, so its radius has no effect");
+    if (settings.directions && !settings.directions->empty() && light.type != LightType::Directional)
+        warnings.push_back(where + ": light " + light.name + " is no directional light, so its directions have no " +
+                           "effect");
 }
 
 // What of a baked light an animation of its members leaves behind.
@@ -200,7 +225,8 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
         warnWithoutEffect(rule.settings, light, "settings file", warnings);
         applySettings(rule.settings, light);
     }
-    if (state.animated && light.mode != LightMode::Realtime) {
+    if (light.type != LightType::Directional) light.directions.clear();
+    if (state.animated && light.mode != LightMode::Realtime && light.directions.empty()) {
         warnings.push_back(nodePath + ": light " + light.name + " is animated, but " + nameOf(light.mode) +
                            " by its settings");
     }

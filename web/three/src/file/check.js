@@ -10,6 +10,7 @@ const MODES = ['baked-indirect', 'shadowmask', 'subtractive'];
 const PROBES = ['automatic', 'single', 'volume'];
 const MOST_REFLECTIONS = 32;
 const MOST_GROUPS = 16;
+const MOST_DIRECTIONS = 12;
 
 /** @param {string} path @param {string} message */
 export function invalid(path, message) {
@@ -139,6 +140,14 @@ function checkGroups(json, root) {
         (list ?? []).forEach(({ name = '', extensions }) => {
             if (extensions?.[extension]?.baking?.group >= groups.length) throw invalid(BAKE, `${kind} "${name}" is in a light group that the file lacks`);
         });
+    (json.nodes ?? []).forEach(({ name = '', extensions }) => {
+        const { group, turns } = extensions?.HALFLIGHT_light?.baking ?? {};
+        if (!turns) return;
+        const count = turns.directions?.length ?? 0;
+        const fits = turns.group !== undefined && group === undefined && count > 0 && count <= MOST_DIRECTIONS && turns.group + count <= groups.length;
+        if (!fits) throw invalid(BAKE, `light "${name}" turns by light groups that the file lacks`);
+        if (turns.directions.some((d) => Math.abs(Math.hypot(...d) - 1) > 1e-3)) throw invalid(BAKE, `light "${name}" turns by directions that are no unit vectors`);
+    });
     groups.forEach((group, g) => checkGroup(json, root, group, `${BAKE}/groups/${g}`));
 }
 

@@ -61,3 +61,8 @@ function checkRadiance(values, path) {
 export function membershipOf(baking, root) {
     return root.groups && baking?.group !== undefined ? { group: baking.group, white: baking.white ?? [0, 0, 0] } : { group: -1, white: [0, 0, 0] };
 }
+
+/** Of a light that turns: the groups of its directions. @param {any} [baking] its record @param {any} root extension */
+export function turningOf(baking, root) {
+    return root.groups && baking?.turns ? { turns: baking.turns, white: baking.white ?? [0, 0, 0] } : {};
+}

@@ -4,7 +4,7 @@ import { readCells } from '../probes/cells.js';
 import { readSight } from '../probes/sight.js';
 import { bakeValueRanges } from '../generated/ranges.js';
 import { checkBake, invalid, isWithin, rangeText } from './check.js';
-import { membershipOf, readGroups } from './groups.js';
+import { membershipOf, readGroups, turningOf } from './groups.js';
 import { hasSet, lossesOf } from './losses.js';
 import { readByCurve, readRgb9e5, decodeImage } from './images.js';
 
@@ -56,6 +56,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {number} outerCone
  * @property {number} group index among the bake's groups, -1 none
  * @property {number[]} white its colour times intensity at the weight 1
+ * @property {{group: number, directions: number[][]}} [turns] of a light that turns: the first direction's group, and unit vectors along which it shone in the bake
  */
 
 /**
@@ -153,7 +154,7 @@ export async function readBaked(source) {
         nodes: collect(source.json.nodes, NODE, (e, node) => nodeData(e, hasSet(source.json, node, e.lightmap?.texCoord ?? 1))),
         groups: root.shadowColorFromBake === true ? groups : groups.map((group) => ({ ...group, shadowColor: [0, 0, 0] })), // the author's stays
         lost: lossesOf(source.json),
-        lights: collect(source.json.nodes, LIGHT, (e) => ({ ...lightData(e), ...membershipOf(e.baking, root) })),
+        lights: collect(source.json.nodes, LIGHT, (e) => ({ ...lightData(e), ...membershipOf(e.baking, root), ...turningOf(e.baking, root) })),
         materials: collect(source.json.materials, MATERIAL, (e) => ({
             castShadows: e.castShadows ?? true,
             receiveShadows: e.receiveShadows ?? true,
