@@ -71,6 +71,22 @@ test('gltf-transform S33: a file with light groups comes back with them', async 
     assert.deepEqual(warnings.filter((sentence) => /lost|stale/.test(sentence)), []);
 });
 
+test('gltf-transform S34: a sun that turns comes back with its directions', async () => {
+    const source = readGlb(join(repository, 'assets/tests/light_groups.glb'));
+    const directions = [[-0.56, -0.6, -0.57], [-0.36, -0.6, -0.72]];
+    source.json.nodes.find(({ name }) => name === 'sun').extras = { halflight_mode: 'mixed', halflight_directions: directions };
+    const [scene, baked, copy] = ['turning.glb', 'turning-baked.glb', 'turning-copy.glb'].map((name) => join(folder, name));
+    writeGlb(scene, source);
+    halflight('bake', scene, '-o', baked, '--quality', 'preview', '--samples', '16', '--texels-per-meter', '3', '--reflection-probes', 'off', '-q');
+    await io().write(copy, await io().read(baked));
+    const recordOf = (path) => readGlb(path).json.nodes.find(({ name }) => name === 'sun').extensions.HALFLIGHT_light;
+    assert.equal(recordOf(baked).baking.turns.directions.length, 2);
+    assert.deepEqual(recordOf(copy), recordOf(baked));
+    const groupsOfSun = (path) => JSON.parse(halflight('info', '--json', path)).groups.filter(({ direction }) => direction).map(({ name, direction, weight }) => ({ name, direction, weight }));
+    assert.deepEqual(groupsOfSun(copy).map(({ name }) => name), ['sun.1', 'sun.2']);
+    assert.deepEqual(groupsOfSun(copy), groupsOfSun(baked));
+});
+
 /** Materials of one colour of emission each, `member` of a light group. */
 function emitters(factors, member, baking) {
     const document = new Document().setLogger(new Logger(Logger.Verbosity.SILENT));

@@ -1,9 +1,13 @@
 // The state of light groups: one weight each, which lights, emission and the sky follow.
 import { CHANGED } from '../scene/lights.js';
 import { checkNumber } from '../scene/warnings.js';
+import { Turning } from './turning.js';
 
 /** As docs/format.md has the range of weights. */
 const MOST = 1e12;
+
+/** Degrees between directions of a bake from which on bounced light is off, as kMostStepRadians of turning_lights.h. */
+const MOST_STEP = 20.1;
 
 const equal = (a, b) => a.every((x, c) => x === b[c]);
 const apart = (a, b) => Math.max(...a.map((x, c) => Math.abs(x - b[c])));
@@ -39,6 +43,8 @@ class Group {
         this.groups = groups;
         this.data = data;
         this.rgb = [...data.weight];
+        /** The light that turns of which it is a direction, and which it follows. @type {TurningGroup | null} */
+        this.owner = null;
         /** Lights of the file, and materials with their emission at the weight 1, cd/m2. */
         this.lights = [];
         this.materials = new Map();
@@ -58,15 +64,34 @@ class Group {
 
     fromArray(array, offset = 0) {
         const rgb = [0, 1, 2].map((c) => Math.min(Math.max(array[offset + c], 0), MOST)); // splines swing below 0
-        if (!rgb.some(Number.isNaN)) this.groups.change(this, rgb);
+        if (!rgb.some(Number.isNaN) && !this.owner) this.groups.change(this, rgb);
     }
 
     isChanged() {
         return apart(this.rgb, this.data.weight) > CHANGED * Math.max(...this.data.weight);
     }
 
+    /** Gives groups that share its weight their parts. */
+    spread() {}
+
     look() {
         this.seen = this.lights.map((light) => light.shining());
+    }
+}
+
+/** A light that turns, as one group: those of its directions share its weight. */
+class TurningGroup extends Group {
+    /** @param {LightGroups} groups @param {import('../scene/lights.js').BakedLight} light */
+    constructor(groups, light) {
+        const turning = new Turning(light, groups.list.map(({ data }) => data));
+        super(groups, /** @type {any} */ ({ name: turning.name, weight: turning.weight }));
+        this.turning = turning;
+        this.own = groups.list.slice(turning.first, turning.first + turning.directions.length);
+        for (const group of this.own) group.owner = this;
+    }
+
+    spread() {
+        this.own.forEach((group, i) => (group.rgb = this.rgb.map((x) => x * this.turning.shares[i])));
     }
 }
 
@@ -75,6 +100,8 @@ export class LightGroups {
     constructor(scene) {
         this.scene = scene;
         this.list = scene.data.groups.map((data) => new Group(this, data));
+        /** @type {TurningGroup[]} */
+        this.turning = [];
         /** Counts the changes of weights, and which of them the probes have. */
         this.version = 0;
         this.probesVersion = 0;
@@ -83,12 +110,15 @@ export class LightGroups {
         /** Colours and intensities of lights and of emission before they were changed here. */
         this.before = new Map();
         for (const light of scene.lights) {
-            const group = this.list[light.data.group];
+            const group = light.data.turns && light.light.isDirectionalLight ? new TurningGroup(this, light) : this.list[light.data.group];
             if (!group) continue;
+            if (group instanceof TurningGroup) this.turning.push(group);
             light.group = group;
             group.lights.push(light);
         }
-        for (const group of this.list) group.seen = group.lights.map((light) => light.expected());
+        /** What there is to set: groups in the file's order, each light that turns as one. */
+        this.settable = this.list.flatMap((group) => (group.owner ? (group.owner.own[0] === group ? [group.owner] : []) : [group]));
+        for (const group of this.settable) group.seen = group.lights.map((light) => light.expected());
         for (const { materials } of scene.objects) for (const [mesh, index] of materials) this.#addMaterial(mesh.material, scene.data.materials.get(index));
     }
 
@@ -109,9 +139,11 @@ export class LightGroups {
 
     /** @param {string} name "sky" stands for all parts of a sky that changes @param {number | number[] | import('three').Color} color linear */
     set(name, color) {
-        const named = this.list.filter(({ data }) => data.name === name);
+        const direction = this.list.find(({ data, owner }) => owner && data.name === name);
+        if (direction) throw new Error(`light group "${name}" is of one direction of a light and follows it: turn the light, or set "${direction.owner.data.name}"`);
+        const named = this.settable.filter(({ data }) => data.name === name);
         const chosen = named.length === 0 && name === 'sky' ? this.list.filter(({ data }) => data.name.startsWith('sky.')) : named;
-        const names = this.list.map(({ data }) => data.name).join(', ');
+        const names = this.settable.map(({ data }) => data.name).join(', ');
         const ofSky = name === 'sky' || String(name).startsWith('sky.') ? ': give the scene halflight_sky_changes = 1, and bake it again' : '';
         if (chosen.length === 0) throw new Error(`there is no light group "${name}": ${names ? `the file has ${names}` : 'the file has none'}${ofSky}`);
         const rgb = rgbOf(name, color);
@@ -138,6 +170,7 @@ export class LightGroups {
     #take(group, rgb) {
         if (equal(rgb, group.rgb)) return;
         group.rgb = rgb;
+        group.spread();
         this.version += 1;
         for (const [material, white] of group.materials) this.#shine(material, ['emissive', 'emissiveIntensity'], white, rgb);
     }
@@ -155,9 +188,18 @@ export class LightGroups {
         this.isFollowing = !(arePagesDone && areVolumesDone && areReflectionsDone);
     }
 
-    /** A light that is hidden has the weight 0; where all lights of a group changed by one factor, that is its weight. */
+    /** A light that turns has the weights of its direction. One that is hidden has the weight 0; where all lights of a group changed by one factor, that is its weight. */
     follow() {
-        for (const group of this.list) {
+        for (const group of this.turning) {
+            if (group.turning.turn()) {
+                group.spread();
+                this.version += 1;
+            }
+            const away = group.turning.away();
+            if (away > MOST_STEP)
+                this.scene.say(`light "${group.turning.light.name}" shines ${away.toFixed(0)} degrees away from the nearest direction of its bake: its bounced light is that of there, dimmed`);
+        }
+        for (const group of this.settable) {
             const now = group.lights.map((light) => light.shining());
             const same = now.every((rgb, i) => apart(rgb, group.seen[i]) <= CHANGED * Math.max(...group.seen[i]));
             if (same) continue;

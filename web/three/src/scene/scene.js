@@ -153,9 +153,9 @@ export class HalflightScene {
         this.#shadowColor = [...color].map((x) => checkNumber('shadowColor', x, ' of lux'));
     }
 
-    /** Light groups of the file, in its order: their names, weights by channel, and those that the file saves. */
+    /** Light groups of the file, in its order, each light that turns as one: their names, weights by channel, and those that the file saves. */
     get lightGroups() {
-        return this.groups.list.map(({ data, rgb }) => ({ name: data.name, weight: [...rgb], savedWeight: [...data.weight] }));
+        return this.groups.settable.map(({ data, rgb }) => ({ name: data.name, weight: [...rgb], savedWeight: [...data.weight] }));
     }
 
     /**
