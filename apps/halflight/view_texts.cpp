@@ -1,5 +1,7 @@
 #include "view_texts.h"
 
+#include "halflight/scene/turning_lights.h"
+
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -38,6 +40,8 @@ std::string lightOverride(const Light& light, const Light& atLoad)
     if (light.color != atLoad.color)
         add(fmt::format("color={:.9g},{:.9g},{:.9g}", light.color.r, light.color.g, light.color.b));
     if (light.shadowStrength != atLoad.shadowStrength) add(fmt::format("strength={:.9g}", light.shadowStrength));
+    if (const vec3 d = light.direction(); turns(light) && d != atLoad.direction())
+        add(fmt::format("direction={:.9g},{:.9g},{:.9g}", d.x, d.y, d.z));
     return changes;
 }
 
@@ -232,6 +236,9 @@ ViewText commandLine(const ViewedPicture& picture)
 ViewText settingsFile(const Scene& scene, const Scene& atLoad)
 {
     std::string leftOut = leftOutOfSettings(scene, atLoad);
+    for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i)
+        if (scene.lights[i].direction() != atLoad.lights[i].direction())
+            add(leftOut, "the direction of the light '" + scene.lights[i].name + "'");
     for (std::size_t i = 0; i < scene.materials.size() && i < atLoad.materials.size(); ++i)
         if (scene.materials[i].emissiveNits != atLoad.materials[i].emissiveNits)
             add(leftOut, "the emission of '" + scene.materials[i].name + "'");

@@ -174,5 +174,45 @@ TEST_F(EditedGroupsS33, ABakeOfTheWindowBeginsAtItsOwnWeights)
     EXPECT_EQ(lightOf(edited.scene(), 0), vec3(40.0f)) << "as it was baked, not as the file has it";
 }
 
+class EditedTurningS34 : public EditedGroupsS33 {};
+
+/// The panel's light, the groups' rows and what is drawn agree when a light turns.
+TEST_F(EditedTurningS34, ALightThatTurnsIsOneRow)
+{
+    const std::vector<vec3> directions = {vec3(0, -1, 0), glm::normalize(vec3(0.3f, -1, 0))};
+    const auto begin = EditedScene::Clock::now();
+    baked.groups[test::kSun].name = "the sun.1";
+    baked.groups.insert(baked.groups.begin() + test::kSun + 1, baked.groups[test::kSun]);
+    baked.groups[test::kSun + 1].name = "the sun.2";
+    baked.groups[test::kSun + 1].weight = vec3(0.0f);
+    Light& light = baked.scene.lights[1];
+    light.baking.group = -1;
+    light.baking.turning = {test::kSun, directions};
+    light.worldFromLight = test::lightPose(vec3(0), directions[0]);
+    for (Light& other : baked.scene.lights) other.baking.group += other.baking.group > test::kSun ? 1 : 0;
+    baked.scene.materials[1].bakedGroup += 1;
+    ASSERT_TRUE(renderer->load(baked));
+    edited.beginFile(baked.scene);
+    edited.showGroups(baked, begin);
+    ASSERT_EQ(edited.groups().size(), 4u);
+    EXPECT_EQ(edited.groups()[1].name, "the sun");
+    const vec3 saved = edited.groups()[1].saved;
+    Light turned = edited.scene().lights[1];
+    turned.worldFromLight = test::lightPose(vec3(0), glm::normalize(vec3(0.15f, -1, 0)));
+    edited.change(ChangeLight{1, turned}, *renderer, notices);
+    EXPECT_EQ(edited.groups()[1].weight, saved) << "its light is the same";
+    EXPECT_EQ(lightOf(edited.atLoadWithWeights(), 1), lightOf(baked.scene, 1));
+    edited.change(ChangeGroup{"the sun", 2.0f * saved}, *renderer, notices);
+    EXPECT_LT(glm::distance(lightOf(edited.scene(), 1), 2.0f * lightOf(baked.scene, 1)), 1e-3f);
+    EXPECT_LT(glm::distance(renderer->lightGroups()[1].weight, edited.groups()[1].weight), 1e-4f);
+    EXPECT_TRUE(notices.warnings().empty());
+    ASSERT_TRUE(renderer->load(baked)); // the same scene, uploaded once more
+    edited.showGroups(baked, begin);
+    EXPECT_LT(glm::distance(edited.groups()[1].weight, 2.0f * saved), 1e-4f);
+    EXPECT_TRUE(edited.repeat(begin, *renderer));
+    EXPECT_LT(glm::distance(renderer->lightGroups()[1].weight, 2.0f * saved), 1e-4f);
+    EXPECT_LT(glm::distance(renderer->scene().lights[1].direction(), turned.direction()), 1e-5f);
+}
+
 } // namespace
 } // namespace halflight::view::edited_scene_test

@@ -1,4 +1,5 @@
 // Panels and keys, without a window: every section is drawn, and what is clicked and typed reaches the state.
+#include "view/panels/light_direction.h"
 #include "view/panels/panel_sections.h"
 #include "view/panels/panels.h"
 
@@ -126,6 +127,23 @@ TEST(PanelScale, IsOneAtUsualDisplays)
     EXPECT_EQ(panelScale(163.0f), 1.75f);
     EXPECT_EQ(panelScale(192.0f), 2.0f);
     EXPECT_EQ(panelScale(5000.0f), 4.0f);
+}
+
+TEST(PanelLightS34, HasAHeightAndABearing)
+{
+    const LightSource east = sourceOf(vec3(-1.0f, 0.0f, 0.0f)); // from +X
+    EXPECT_NEAR(east.height, 0.0f, 1e-3f);
+    EXPECT_NEAR(east.bearing, 90.0f, 1e-3f);
+    EXPECT_NEAR(sourceOf(glm::normalize(vec3(0.0f, -1.0f, 1.0f))).height, 45.0f, 1e-3f);
+    for (const float height : {-30.0f, 0.0f, 20.0f, 89.9f})
+        for (const float bearing : {-170.0f, -90.0f, 0.0f, 45.0f, 179.0f}) {
+            const mat4 pose = poseFrom({height, bearing}, vec3(1, 2, 3));
+            EXPECT_NEAR(glm::determinant(mat3(pose)), 1.0f, 1e-5f) << "rigid";
+            EXPECT_EQ(vec3(pose[3]), vec3(1, 2, 3));
+            const LightSource again = sourceOf(-vec3(pose[2]));
+            EXPECT_NEAR(again.height, height, 0.01f);
+            EXPECT_NEAR(again.bearing, bearing, 0.1f);
+        }
 }
 
 TEST_F(Panels, AreAtTheLeftOfThePicture)

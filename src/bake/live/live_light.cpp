@@ -53,6 +53,7 @@ void withoutMask(BakedScene& light)
     for (Light& each : light.scene.lights) {
         BakingOutput& baking = each.baking;
         baking.group = -1; // of an earlier bake
+        baking.turning = {};
         if (!baking.isBaked || baking.bakeType != LightMode::Mixed) continue;
         // Subtractive bakes have the direct light of all but the main light in the lightmap.
         if (baking.mixedMode == MixedLightingMode::Subtractive && baking.occlusionMaskChannel < 0)
@@ -74,7 +75,10 @@ void LiveLight::setGroups(const LightGrouping& grouping, const IntegratorFactory
 
 void LiveLight::takeOwnLight(Scene& scene) const
 {
-    if (grouping_) LightGrouping(*grouping_).exchange(scene);
+    if (!grouping_) return;
+    LightGrouping own = *grouping_;
+    own.gather(scene);
+    own.exchange(scene);
 }
 
 Status LiveLight::roughIrradiance(const Scene& own, const CachedIntegrator& cached, std::span<const uint32_t> texels,

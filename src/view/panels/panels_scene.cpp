@@ -1,5 +1,8 @@
 // Lights, objects and warnings.
+#include "view/panels/light_direction.h"
 #include "view/panels/panel_sections.h"
+
+#include "halflight/scene/turning_lights.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -27,6 +30,15 @@ constexpr float kMost = 1.0e9f;      // of intensities and colours, as options h
 constexpr float kLeastSide = 0.001f; // metres, of area lights
 constexpr float kMostSide = 1.0e5f;
 
+bool directionEditor(Light& light)
+{
+    LightSource source = sourceOf(light.direction());
+    bool turned = drag("height", source.height, 0.2f, -90.0f, 90.0f, "%.1f deg");
+    turned |= drag("bearing", source.bearing, 0.2f, -360.0f, 360.0f, "%.1f deg");
+    if (turned) light.worldFromLight = poseFrom(source, light.position());
+    return turned;
+}
+
 void lightEditor(const Shown& shown, Answer& answer, int selected)
 {
     const Light& light = shown.scene.lights[std::size_t(selected)];
@@ -50,6 +62,7 @@ void lightEditor(const Shown& shown, Answer& answer, int selected)
             changed.angularRadiusRadians = glm::radians(0.5f * degrees);
             any = true;
         }
+        if (turns(light)) any |= directionEditor(changed);
     } else if (light.type == LightType::Disk) {
         any |= drag("diameter m", changed.sizeMeters.x, 0.005f, kLeastSide, kMostSide, "%.3f");
     } else if (light.type == LightType::Rectangle) {

@@ -3,6 +3,7 @@
 #include "halflight/base/file.h"
 #include "halflight/render/compose.h"
 #include "halflight/render/frame.h"
+#include "halflight/scene/turning_lights.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -32,7 +33,8 @@ void EditedScene::beginFile(const Scene& scene)
     changedLights_.clear();
     changedObjects_.clear();
     changedGroups_.clear();
-    shownGroups_.clear();
+    shown_ = {};
+    weights_.clear();
     groups_.clear();
     settingsFile_.clear();
     snapshot_.reset();
@@ -51,10 +53,18 @@ void EditedScene::make(const ChangeLight& change, Renderer& renderer, Notices& n
     changedLights_[change.light] = lastChange_;
     if (Status status = renderer.setLight(change.light, change.value); !status)
         notices.addWarning(Notices::About::Frame, status.error().text());
+    shown_.scene.lights = scene_.lights;
+    if (weights_.empty()) return;
+    if (turns(change.value)) {
+        followTurningLights(scene_.lights, weights_);
+        composeMembers(shownLight_, shown_.groups, weights_, scene_);
+        reportWeights();
+        return;
+    }
     const auto group = std::size_t(change.value.baking.group);
-    if (change.value.baking.group < 0 || group >= groups_.size()) return;
-    const auto weight = weightOfLights(scene_, change.value.baking.group, groups_[group].weight);
-    if (weight && *weight != groups_[group].weight) make(ChangeGroup{groups_[group].name, *weight}, renderer, notices);
+    if (change.value.baking.group < 0 || group >= weights_.size()) return;
+    const auto weight = weightOfLights(scene_, change.value.baking.group, weights_[group]);
+    if (weight && *weight != weights_[group]) make(ChangeGroup{shown_.groups[group].name, *weight}, renderer, notices);
 }
 
 void EditedScene::showGroups(const BakedScene& shown, Clock::time_point since)
@@ -67,32 +77,40 @@ void EditedScene::showGroups(const BakedScene& shown, Clock::time_point since)
         scene_.materials[i].whiteNits = shown.scene.materials[i].whiteNits;
     }
     snapshot_.reset();
-    shownGroups_.clear();
-    groups_.clear();
+    shown_.groups.clear();
     for (const BakedGroup& group : shown.groups) {
-        BakedGroup& own = shownGroups_.emplace_back();
+        BakedGroup& own = shown_.groups.emplace_back();
         own.name = group.name;
         own.weight = group.weight;
         own.sky = group.sky;
-        groups_.push_back({group.name, group.weight, group.weight, vec3(1.0f)});
-        const auto changed = changedGroups_.find(group.name);
-        const bool isChanged = changed != changedGroups_.end() && changed->second.time >= since;
-        setWeight(groups_.size() - 1, isChanged ? changed->second.weight : group.weight);
     }
+    shown_.scene.lights = shownLight_.lights;
+    weights_ = savedWeights(shown_);
+    groups_.clear();
+    for (const GroupWeight& saved : settableWeights(shown_, weights_))
+        groups_.push_back({saved.name, saved.weight, saved.weight, vec3(1.0f)});
+    reportWeights();
+    shown_.scene.lights = scene_.lights;
+    for (const auto& [name, changed] : changedGroups_)
+        if (changed.time >= since) // unless the scene has no such group
+            (void)changeGroupWeight(shown_, {name, changed.weight}, weights_);
+    if (!weights_.empty()) followTurningLights(scene_.lights, weights_);
+    reportWeights();
 }
 
-std::vector<vec3> EditedScene::weights() const
+/// To the rows of panels.
+void EditedScene::reportWeights()
 {
-    std::vector<vec3> weights;
-    for (const GroupReport& group : groups_) weights.push_back(group.weight);
-    return weights;
-}
-
-void EditedScene::setWeight(std::size_t group, vec3 weight)
-{
-    GroupReport& report = groups_[group];
-    report.weight = weight;
-    if (const float most = std::max({weight.x, weight.y, weight.z}); most > 0.0f) report.color = weight / most;
+    const std::vector<GroupWeight> now = settableWeights(shown_, weights_);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        GroupReport& report = groups_[i];
+        const vec3 weight = now[i].weight;
+        const float most = std::max({weight.x, weight.y, weight.z});
+        // A light that was turned has its weight but for rounding.
+        const bool same = glm::distance(weight, report.saved) <= 1.0e-4f * std::max(most, glm::length(report.saved));
+        report.weight = same ? report.saved : weight;
+        if (most > 0.0f) report.color = weight / most;
+    }
 }
 
 void EditedScene::make(const ChangeGroup& change, Renderer& renderer, Notices& notices)
@@ -105,11 +123,13 @@ void EditedScene::make(const ChangeGroup& change, Renderer& renderer, Notices& n
         return;
     }
     changedGroups_[change.name] = {change.weight, lastChange_};
-    setWeight(std::size_t(group - groups_.begin()), change.weight);
-    composeMembers(shownLight_, shownGroups_, weights(), scene_);
+    (void)changeGroupWeight(shown_, {change.name, change.weight}, weights_); // which the renderer has taken
+    composeMembers(shownLight_, shown_.groups, weights_, scene_);
+    shown_.scene.lights = scene_.lights;
+    reportWeights();
     Sky gradient = shownLight_.sky;
     gradient.picture.reset(); // snapshot() multiplies it
-    gradient = composedSky(gradient, shownGroups_, weights());
+    gradient = composedSky(gradient, shown_.groups, weights_);
     gradient.picture = shownLight_.sky.picture;
     scene_.sky = gradient;
 }
@@ -117,7 +137,13 @@ void EditedScene::make(const ChangeGroup& change, Renderer& renderer, Notices& n
 Scene EditedScene::atLoadWithWeights() const
 {
     Scene scene = atLoad_;
-    if (!groups_.empty()) composeMembers(atLoad_, shownGroups_, weights(), scene);
+    if (weights_.empty()) return scene;
+    // Weights of a light that turns are of the direction that it has now.
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        scene.lights[i].worldFromLight = scene_.lights[i].worldFromLight;
+    composeMembers(atLoad_, shown_.groups, weights_, scene);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        scene.lights[i].worldFromLight = atLoad_.lights[i].worldFromLight;
     return scene;
 }
 
@@ -214,7 +240,7 @@ std::shared_ptr<const Scene> EditedScene::snapshot()
     if (snapshot_) return snapshot_;
     auto scene = std::make_shared<Scene>(scene_);
     // Of a sky with a picture all texels change: here, and not for each move of a slider.
-    if (scene->sky.picture) scene->sky = composedSky(shownLight_.sky, shownGroups_, weights());
+    if (scene->sky.picture) scene->sky = composedSky(shownLight_.sky, shown_.groups, weights_);
     snapshot_ = std::move(scene);
     return snapshot_;
 }

@@ -38,9 +38,10 @@ public:
     [[nodiscard]] const Scene& atLoad() const { return atLoad_; }
     /// The same with the light of the groups' weights now: what was changed besides is what differs from it.
     [[nodiscard]] Scene atLoadWithWeights() const;
-    [[nodiscard]] const std::vector<GroupReport>& groups() const { return groups_; } ///< of the scene that is shown
-    [[nodiscard]] const std::vector<Bounds>& bounds() const { return bounds_; }      ///< of each object
-    [[nodiscard]] Bounds boundsOf(int object) const;                                 ///< of all for -1
+    /// Of the scene that is shown; a light that turns is one.
+    [[nodiscard]] const std::vector<GroupReport>& groups() const { return groups_; }
+    [[nodiscard]] const std::vector<Bounds>& bounds() const { return bounds_; } ///< of each object
+    [[nodiscard]] Bounds boundsOf(int object) const;                            ///< of all for -1
     [[nodiscard]] Clock::time_point lastChange() const { return lastChange_; }
     /// Writes a settings file: `before`, the one in use, and the changes after it, which win; beside it, or here, named
     /// as the scene's file. A file that another session wrote stays. What was done, for people.
@@ -54,8 +55,7 @@ private:
     void make(const ChangeSwitches& change, Renderer& renderer, Notices& notices);
     void make(const MoveObject& change, Renderer& renderer, Notices& notices);
     void make(const ChangeGroup& change, Renderer& renderer, Notices& notices);
-    void setWeight(std::size_t group, vec3 weight);
-    [[nodiscard]] std::vector<vec3> weights() const;
+    void reportWeights();
     Status writeChanges(const std::string& changes, const std::filesystem::path& before,
                         const std::filesystem::path& stem);
 
@@ -69,8 +69,9 @@ private:
         Clock::time_point time;
     };
     std::map<std::string, Weight> changedGroups_;
-    std::vector<BakedGroup> shownGroups_; ///< of the scene that is shown, without light
-    Scene shownLight_;                    ///< its lights, materials and sky, at the groups' saved weights
+    BakedScene shown_;          ///< groups of the scene that is shown, without light, and lights as they are in scene_
+    std::vector<vec3> weights_; ///< of these groups
+    Scene shownLight_;          ///< its lights, materials and sky, at the groups' saved weights
     std::vector<GroupReport> groups_;
     std::filesystem::path settingsFile_; ///< that writeSettings() wrote; empty: none yet
     Clock::time_point lastChange_;

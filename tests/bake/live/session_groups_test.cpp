@@ -17,13 +17,15 @@ namespace {
 TEST(BakeSession, ShowsGroupsInTheirOwnLightS33)
 {
     Scene grouped = scene();
-    grouped.lights[0].group = "sun";
-    grouped.lights[0].color = vec3(1.0f, 0.3f, 0.1f);
+    Light& sun = grouped.lights[0];
+    sun.color = vec3(1.0f, 0.3f, 0.1f);
+    sun.directions = {sun.direction(), glm::normalize(sun.direction() + vec3(0.2f, 0.0f, 0.0f))};
+    grouped.lights[1].group = "spot";
     for (Material& material : grouped.materials)
         if (material.emissiveNits != vec3(0.0f)) material.group = "lamp";
     const Result<BakeResult> plain = bake(grouped, quick(), embreeIntegrators());
     ASSERT_TRUE(plain) << plain.error().text();
-    ASSERT_EQ(plain->baked.groups.size(), 2u);
+    ASSERT_EQ(plain->baked.groups.size(), 4u);
 
     BakeSession session(grouped, quick(), embreeIntegrators());
     std::optional<BakedScene> probes;
@@ -44,12 +46,14 @@ TEST(BakeSession, ShowsGroupsInTheirOwnLightS33)
     ASSERT_GE(states.size(), 2u) << "first light and tiles";
     for (const BakedScene& state : {states.front(), states.back()}) {
         EXPECT_TRUE(state.groups.empty());
-        EXPECT_EQ(state.scene.lights[0].color, grouped.lights[0].color);
+        ASSERT_EQ(state.scene.lights.size(), grouped.lights.size());
+        EXPECT_EQ(state.scene.lights[0].color, sun.color);
+        EXPECT_EQ(state.scene.lights[0].direction(), sun.direction());
     }
     EXPECT_LT(errorOf(states.front(), *baked), 0.35);
     EXPECT_LT(errorOf(states.back(), *baked), 0.02) << "but for padding, and RGB9E5 in another unit";
     ASSERT_TRUE(probes);
-    EXPECT_EQ(probes->scene.lights[0].color, grouped.lights[0].color);
+    EXPECT_EQ(probes->scene.lights[0].color, sun.color);
 }
 
 } // namespace

@@ -49,6 +49,19 @@ TEST(CommandLine, HasTheWeightsOfGroupsS33)
     EXPECT_EQ(settingsFile(brighter, before).leftOut, "the emission of 'neon', the sky's weight");
 }
 
+TEST(CommandLine, HasTheDirectionOfALightThatTurnsS34)
+{
+    Scene before = twoLights();
+    before.lights[0].type = LightType::Directional;
+    before.lights[0].baking.turning = {0, {vec3(0, 0, -1), vec3(0, -1, 0)}};
+    Scene scene = before;
+    scene.lights[0].worldFromLight[1] = vec4(0, 0, -1, 0);
+    scene.lights[0].worldFromLight[2] = vec4(0, 1, 0, 0);
+    EXPECT_THAT(commandLine(pictureOf(scene, before)).text, HasSubstr(" --light 'sun:direction=-0,-1,-0'"));
+    EXPECT_EQ(settingsFile(scene, before).leftOut, "the direction of the light 'sun'");
+    EXPECT_THAT(commandLine(pictureOf(before, before)).text, Not(HasSubstr("--light")));
+}
+
 TEST(CommandLine, NamesWhatDiffersFromTheDefaults)
 {
     Scene scene = twoLights();
