@@ -263,13 +263,18 @@ def thirteen_lights(s):
 
 
 def coloured_glass(s):
-    """S35: a room with three coloured windows; realtime pictures show the glass itself grey."""
+    """S35: a room with three coloured windows under a baked and a mixed sun; pictures show the glass itself grey."""
     scene = ("tests/coloured_glass.glb", "--quality", "medium", "--lightmap-size", "1024")
     baked = s.bake(*scene)
     s.render("sun and sky through a film, a pane and a block: baked", baked)
     s.render("path traced", baked, "--reference", "192")
     grey = s.bake(*scene, settings='[[material]]\npattern = "film"\ntinted = false\n')
     s.render("the film is not tinted: alpha is coverage", grey)
+    mixed = s.bake(*scene, settings='[[light]]\npattern = "sun"\nmode = "mixed"\n')
+    s.render("a mixed sun: its mask has the colours", mixed, "--mode", "shadowmask")
+    s.render("deferred, beyond the shadow distance", mixed, "--mode", "distance-shadowmask", "--shadow-distance", "0.5", "--shadow-fade-range", "0.4",
+             "--path", "deferred")
+    s.render("view shadowmask: red, green and blue of the sun", mixed, "--view", "shadowmask")
 
 
 def light_groups(s):

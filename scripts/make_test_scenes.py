@@ -126,8 +126,7 @@ def glass(doc, name, color, alpha=1.0, **more):
 
 
 def coloured_glass():
-    """A room with three windows under a white sun and a white sky: a red tinted film, a blue pane with transmission, a green
-    block with a volume."""
+    """A room with three windows under a white sun and sky: a red tinted film, a blue pane with transmission, a green volume."""
     doc = document("coloured_glass", ("white",), ([1.5] * 3,) * 3)
     glass(doc, "film", (0.9, 0.1, 0.05), alpha=0.2)
     glass(doc, "pane", (0.1, 0.25, 0.9))
@@ -153,6 +152,7 @@ def coloured_glass():
     doc.light("sun", "directional", (1, 1, 1), 40.0, (8.0, 6.2, 1.8), (0, 0, 0),
               extras={"halflight_mode": "baked", "halflight_angular_diameter": 0.5})
     doc.camera("main", (-1.4, 1.7, 2.2), (0.5, 0.8, -1.0), 57)
+    doc.camera("floor", (-0.3, 2.7, 0.0), (0.0, 0.0, 0.0), 57)  # what passes, without the glass
     return doc
 
 

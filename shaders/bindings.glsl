@@ -7,6 +7,9 @@
 // Mask layers that the frame reads (S11, S36): 0, 1, 2 or 4.
 layout(constant_id = 1) const int kMaskLayers = 4;
 
+// S35. Whether a light of the frame reads a mask that has a colour.
+layout(constant_id = 2) const bool kColoredMasks = false;
+
 layout(std140, set = 0, binding = kBindFrame) uniform FrameBlock { GpuFrame frame; };
 layout(std430, set = 0, binding = kBindObjects) readonly buffer ObjectBlock { GpuObject objects[]; };
 layout(std430, set = 0, binding = kBindMaterials) readonly buffer MaterialBlock { GpuMaterial materials[]; };

@@ -36,24 +36,28 @@ float readRealtime(int light, Surface s, LightSample incoming)
     return realtimeAttenuation(light, s.position, n, incoming.direction, s.cameraDistance);
 }
 
-// B of a light that has a channel.
-float bakedAttenuation(int light, Surface s)
+// B of a light that has a channel, where its mask says `baked`.
+float withinReach(int light, Surface s, float baked)
 {
     vec3 fromLight = s.position - lights[light].bakedReach.xyz;
     float distanceMeters = max(length(fromLight), 1.0e-6);
     float cosAngle = dot(fromLight, lights[light].bakedCone.xyz) / distanceMeters;
-    return bakedWithinReach(bakedOfChannel(s, lights[light].info.z), distanceMeters, lights[light].bakedReach.w, cosAngle,
-                            lights[light].bakedCone.w);
+    return bakedWithinReach(baked, distanceMeters, lights[light].bakedReach.w, cosAngle, lights[light].bakedCone.w);
 }
 
-// What the point gets of a light after shadows.
-float shadowAttenuation(int light, Surface s, LightSample incoming)
+// What the point gets of a light after shadows, by colour.
+vec3 shadowAttenuation(int light, Surface s, LightSample incoming)
 {
-    if (!s.receiveShadows) return 1.0;
+    if (!s.receiveShadows) return vec3(1.0);
     bool hasBaked = (lights[light].info.y & kLightHasBaked) != 0;
-    float baked = hasBaked ? bakedAttenuation(light, s) : 1.0;
-    return mixShadows(frame.mode.x, hasBaked, baked, hasRealtime(light), readRealtime(light, s, incoming), s.fade,
-                      lights[light].colorIntensity.w);
+    float realtime = readRealtime(light, s, incoming);
+    float strength = lights[light].colorIntensity.w;
+    if (kColoredMasks) {
+        vec3 baked = hasBaked ? max(bakedByColor(s, light), vec3(withinReach(light, s, 0.0))) : vec3(1.0);
+        return mixShadowsByColor(frame.mode.x, hasBaked, baked, hasRealtime(light), realtime, s.fade, strength);
+    }
+    float baked = hasBaked ? withinReach(light, s, bakedOfChannel(s, lights[light].info.z)) : 1.0;
+    return vec3(mixShadows(frame.mode.x, hasBaked, baked, hasRealtime(light), realtime, s.fade, strength));
 }
 
 // Subtractive: the lightmap's irradiance at a point with this interpolated normal, less what dynamic objects keep from it
@@ -66,8 +70,13 @@ vec3 subtractDynamicShadows(vec3 lightmap, Surface s, vec3 vertexNormal)
     vec3 mainIrradiance = incoming.illuminance * saturate(dot(vertexNormal, incoming.direction));
     float faded = mixShadowsFullStrength(frame.mode.x, false, 1.0, hasRealtime(mainLight),
                                          readRealtime(mainLight, s, incoming), s.fade);
+    vec3 shadowColor = frame.subtractiveShadowColor.rgb;
+    float strength = lights[mainLight].colorIntensity.w;
+    if (kColoredMasks)
+        return subtractiveIrradianceByColor(lightmap, mainIrradiance, bakedByColor(s, mainLight), faded, shadowColor,
+                                            strength);
     return subtractiveIrradiance(lightmap, mainIrradiance, bakedOfChannel(s, lights[mainLight].info.z), faded,
-                                 frame.subtractiveShadowColor.rgb, lights[mainLight].colorIntensity.w);
+                                 shadowColor, strength);
 }
 
 // Cluster of the fragment: picture tile and exponential depth slice (see LightClusters in frame.h).

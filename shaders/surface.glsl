@@ -22,13 +22,23 @@ struct Surface {
     mat4 baked; // B by channel: a column for each mask layer
 };
 
-float bakedOfChannel(Surface s, int channel)
+vec4 layerOfChannel(Surface s, int channel)
 {
     vec4 layer = s.baked[0];
     if (kMaskLayers > 1 && channel >= 4) layer = s.baked[1];
     if (kMaskLayers > 2 && channel >= 8) layer = s.baked[2];
     if (kMaskLayers > 2 && channel >= 12) layer = s.baked[3];
-    return layer[channel & 3];
+    return layer;
+}
+
+float bakedOfChannel(Surface s, int channel) { return layerOfChannel(s, channel)[channel & 3]; }
+
+// B by colour of a light; all alike where its mask is grey.
+vec3 bakedByColor(Surface s, int light)
+{
+    int channel = lights[light].info.z;
+    bool colored = (lights[light].info.y & kLightColoredMask) != 0;
+    return colored ? layerOfChannel(s, channel).rgb : vec3(bakedOfChannel(s, channel));
 }
 
 // The point of the world that this pixel's centre shows at a depth.

@@ -24,7 +24,7 @@ void printLights(const BakeReport& report)
     for (const LightReport& light : report.lights) {
         const std::string line = fmt::format("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}", printable(light.name), width,
                                              nameOf(light.type), nameOf(light.authoredMode), nameOf(light.bakedAs),
-                                             channelName(light.channel), printable(light.reason));
+                                             channelName(light.channel, light.coloredMask), printable(light.reason));
         print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
     }
 }

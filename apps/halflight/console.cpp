@@ -125,11 +125,12 @@ std::string megabytes(uint64_t bytes)
     return fmt::format("{:.0f} MB", double(bytes) / 1e6);
 }
 
-std::string channelName(int channel)
+std::string channelName(int channel, bool colored)
 {
     if (channel < 0) return "-";
     const int layer = channel / kLayerChannels;
-    return std::string(1, "RGBA"[channel % kLayerChannels]) + (layer > 0 ? std::to_string(layer + 1) : "");
+    const std::string letters = colored ? "RGB" : std::string(1, "RGBA"[channel % kLayerChannels]);
+    return letters + (layer > 0 ? std::to_string(layer + 1) : "");
 }
 
 bool parseNumber(const std::string& text, double& value)

@@ -68,7 +68,7 @@ std::string withUnit(double number);
 std::string megabytes(uint64_t bytes);
 
 /// "R", "G", "B", "A", or "-" for none.
-std::string channelName(int channel);
+std::string channelName(int channel, bool colored = false);
 
 /// Options whose value is checked while parsing; the message of a bad value names the option and its limits.
 /// `metavar` is what --help shows for the value.

@@ -80,6 +80,7 @@ Json jsonOf(const Light& light)
     if (light.baking.isBaked) {
         json["bakedAs"] = nameOf(light.baking.bakeType);
         json["channel"] = light.baking.occlusionMaskChannel;
+        if (light.baking.coloredMask) json["coloredMask"] = true;
         if (!light.baking.reason.empty()) json["reason"] = light.baking.reason;
     }
     return json;
@@ -211,7 +212,7 @@ void printLights(const std::vector<Light>& lights)
         const BakingOutput& baking = light.baking;
         print("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {:g} {}{}\n", printable(light.name), width, nameOf(light.type),
               nameOf(light.mode), baking.isBaked ? nameOf(baking.bakeType) : "-",
-              channelName(baking.occlusionMaskChannel), light.intensity, unitOf(light.type, "cd"),
+              channelName(baking.occlusionMaskChannel, baking.coloredMask), light.intensity, unitOf(light.type, "cd"),
               baking.reason.empty() ? "" : "  (" + printable(baking.reason) + ")");
     }
 }

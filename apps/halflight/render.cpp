@@ -70,6 +70,7 @@ Json jsonOf(const LightRow& row, const Light& light)
                  {"bakedAs", nameOf(light.baking.bakeType)},
                  {"channel", light.baking.occlusionMaskChannel},
                  {"inFrame", row.frameLight >= 0}};
+    if (light.baking.coloredMask) json["coloredMask"] = true;
     if (!row.notInFrame.empty()) json["reason"] = row.notInFrame;
     json["bakedShadow"] = {{"used", row.bakedChannel >= 0}};
     if (!row.noBakedShadow.empty()) json["bakedShadow"]["reason"] = row.noBakedShadow;

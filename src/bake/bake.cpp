@@ -248,7 +248,7 @@ private:
                 light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
         if (main_) {
             if (run_.settings.subtractiveMask)
-                baked.shadowmasks = maskPages(cached_, valid_, seams_, main_->mask(), false,
+                baked.shadowmasks = maskPages(cached_, valid_, seams_, main_->mask(), kLayerChannels,
                                               std::span(baked.maskChannels).first<kLayerChannels>());
             reportMainLight(baked, *main_, run_.settings, report);
         }

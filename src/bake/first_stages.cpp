@@ -3,6 +3,7 @@
 #include "bake/geometry/facet_orientation.h"
 #include "bake/geometry/flatten.h"
 #include "bake/lights/channels.h"
+#include "bake/lights/colored_masks.h"
 #include "bake/texels/rasterize.h"
 
 #include "bake/first_stages_parts.h"
@@ -112,6 +113,26 @@ Result<std::unique_ptr<Integrator>> buildStage(const BakeRun& run, const Integra
     reportFlipped(scene, geometry, report);
     timer.finish();
     return integrator;
+}
+
+/// S35. Coloured masks. Where there are some, the integrator is made anew, which reads the lights' channels.
+Status colorStage(const BakeRun& run, const IntegratorFactory& factory, FirstStages& firstStages)
+{
+    Scene& scene = run.baked().scene;
+    if (!hasMask(scene, run.settings.mode) || coloringGlassOf(scene).empty()) return {};
+    StageTimer timer(run.report(), "coloured shadows");
+    const uint64_t before = firstStages.integrator->raysTraced();
+    std::vector<float> shares(scene.lights.size());
+    if (Status s = firstStages.integrator->coloredShadows(firstStages.map, shares, run.progress); !s) return s;
+    const bool shadowmask = run.settings.mode == MixedLightingMode::Shadowmask;
+    const ColoredMasks masks = colorMasks(scene, shares, shadowmask ? run.settings.mostMaskLayers : 1);
+    timer.finish(firstStages.integrator->raysTraced() - before);
+    reportColoredMasks(scene, masks.leftGray, run.settings.mostMaskLayers, run.report());
+    if (!masks.any) return {};
+    auto integrator = factory.make(scene, firstStages.geometry, firstStages.integration);
+    if (!integrator) return integrator.error();
+    firstStages.integrator = std::move(*integrator);
+    return {};
 }
 
 TexelMap rasterizeStage(const BakeRun& run, const BakeGeometry& geometry, const PageLayout& pages,
@@ -250,6 +271,7 @@ Status prepareTexels(const BakeRun& run, Scene scene, const IntegratorFactory& f
     if (!integrator) return integrator.error();
     firstStages.integrator = std::move(*integrator);
     firstStages.map = rasterizeStage(run, firstStages.geometry, *pages, kept, use.share.has_value());
+    if (Status status = colorStage(run, factory, firstStages); !status) return status;
     if (Status status = openCache(run, objects, use, firstStages); !status) return status;
     if (firstStages.cache && use.share) firstStages.cache->parts().shareWith(*use.share);
     return kept && use.share ? kept->status() : Status();

@@ -12,11 +12,12 @@
 namespace halflight {
 
 std::vector<ImageRgba8> maskPages(const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
-                                  const std::vector<SeamSample>& seams, std::vector<vec4> mask, bool distances,
+                                  const std::vector<SeamSample>& seams, std::vector<vec4> mask, int firstDistance,
                                   std::span<MaskChannel, kLayerChannels> channels)
 {
     fillInvalid(cached.geometry, cached.map, valid, mask);
-    if (distances) std::ranges::copy(maskToDistances(cached.map, mask), channels.begin());
+    const bool distances = firstDistance < kLayerChannels;
+    if (distances) std::ranges::copy(maskToDistances(cached.map, mask, firstDistance), channels.begin());
     std::vector<ImageRgba32f> pages = dilate(cached.map, mask, kDilationRings, distances);
     release(mask);
     stitchSeams(cached.map, seams, maskSeamWeights(seams, pages), pages, !distances);
@@ -35,16 +36,26 @@ void leaveOutLitPages(const TexelMap& map, std::vector<ImageRgba8>& pages)
         if (shadowed[page] == 0) pages[page] = {};
 }
 
+/// Channels of a layer before it hold attenuation: all of them where no distances are asked for, and the three of
+/// lights with coloured masks (S35), which the distance to an edge says nothing of.
+int firstDistanceOf(const Scene& scene, MaskEncoding encoding, int layer)
+{
+    const bool colored = std::ranges::any_of(scene.lights, [&](const Light& light) {
+        return light.baking.coloredMask && light.baking.occlusionMaskChannel == layer * kLayerChannels;
+    });
+    return encoding != MaskEncoding::Distance ? kLayerChannels : (colored ? 3 : 0);
+}
+
 /// Pages of a mask layer, into the baked scene.
 void maskPagesStage(const BakeRun& run, const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
                     const std::vector<SeamSample>& seams, int layer, std::vector<vec4> mask, BakeReport& report)
 {
     BakedScene& baked = run.baked();
     StageTimer timer(report, "mask pages");
-    const bool distances = run.settings.maskEncoding == MaskEncoding::Distance;
+    const int firstDistance = firstDistanceOf(baked.scene, run.settings.maskEncoding, layer);
     const std::span<MaskChannel, kLayerChannels> channels(&baked.maskChannels[std::size_t(layer * kLayerChannels)],
                                                           kLayerChannels);
-    std::vector<ImageRgba8> pages = maskPages(cached, valid, seams, std::move(mask), distances, channels);
+    std::vector<ImageRgba8> pages = maskPages(cached, valid, seams, std::move(mask), firstDistance, channels);
     if (baked.maskLayers > 1) leaveOutLitPages(cached.map, pages);
     for (std::size_t page = 0; page < pages.size(); ++page)
         baked.shadowmasks[page * std::size_t(baked.maskLayers) + std::size_t(layer)] = std::move(pages[page]);

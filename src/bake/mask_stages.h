@@ -13,9 +13,10 @@
 
 namespace halflight {
 
-/// A mask's pages: filled inside geometry, dilated, stitched, encoded.
+/// A mask's pages: filled inside geometry, dilated, stitched, encoded. Channels from `firstDistance` on may become
+/// distances, whose encoding goes to `channels`; kLayerChannels: none.
 std::vector<ImageRgba8> maskPages(const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
-                                  const std::vector<SeamSample>& seams, std::vector<vec4> mask, bool distances,
+                                  const std::vector<SeamSample>& seams, std::vector<vec4> mask, int firstDistance,
                                   std::span<MaskChannel, kLayerChannels> channels);
 
 /// Traces masks. Makes the pages of each layer in the background.

@@ -80,7 +80,8 @@ TexelOwners::TexelOwners(const Scene& scene, const BakeGeometry& geometry, const
     }
     for (const Light& light : scene.lights) {
         const int channel = light.baking.occlusionMaskChannel;
-        if (channel >= 0) masks_.emplace_back(light.name, channel);
+        for (int c = 0; channel >= 0 && c < (light.baking.coloredMask ? 3 : 1); ++c)
+            masks_.emplace_back(light.name, channel + c);
     }
     std::sort(owners_.begin(), owners_.end(),
               [](const Owner& a, const Owner& b) { return std::tie(a.name, a.texels) < std::tie(b.name, b.texels); });

@@ -112,6 +112,10 @@ Status checkScene(const BakedScene& baked)
         if (light.baking.occlusionMaskChannel < -1 ||
             light.baking.occlusionMaskChannel >= baked.maskLayers * kLayerChannels)
             return broken("a shadowmask channel is outside the mask's layers", light.name);
+    for (const Light& light : scene.lights)
+        if (light.baking.coloredMask &&
+            (light.baking.occlusionMaskChannel < 0 || light.baking.occlusionMaskChannel % kLayerChannels != 0))
+            return broken("a coloured mask is not in the first three channels of a layer", light.name);
     if (baked.maskLayers < 1 || baked.maskLayers > kMostMaskLayers)
         return broken("there are not 1 to 4 mask layers", "");
 

@@ -126,11 +126,13 @@ PreparedFrame Renderer::Impl::prepare(const Camera& camera, const RenderSettings
     frame.draws.forward = lists.solid(toForward);
     frame.draws.blended = lists.blended(visible, vec3(camera.worldFromCamera[3]));
     frame.instances = lists.instances();
-    frame.deferredLayers = shaderMaskLayers(frame.plan.maskLayers);
+    // Subtractive's main light leaves one value in the G-buffer (shaders/gbuffer.glsl), unless its mask has a colour.
+    const bool colored = frame.plan.coloredMasks;
+    frame.deferredMasks = {shaderMaskLayers(std::max(frame.plan.maskLayers, int(colored))), colored};
     if (settings.view == DebugView::Shadowmask)
-        frame.maskLayers = shaderMaskLayers(scene->outline.maskLayers);
+        frame.masks = {shaderMaskLayers(scene->outline.maskLayers), colored};
     else
-        frame.maskLayers = std::max(frame.deferredLayers, int(frame.plan.subtractsByMask));
+        frame.masks = {std::max(frame.deferredMasks.layers, int(frame.plan.subtractsByMask)), colored};
     frame.forwardObjects = int(toForward.size());
     return frame;
 }
@@ -162,15 +164,15 @@ void Renderer::Impl::ensureTargets(const PreparedFrame& frame, const ShadowSetti
     atlas.ensure(device, hasAtlas ? shadows.atlasSize : 1, 1);
 
     VkPipelineLayout layout = pipelines.layout.get();
-    const int layers = frame.maskLayers;
-    std::unique_ptr<ForwardPipelines>& made = forwardPipelines[layers];
-    if (!made && layers < 2 && preparedForward[layers].valid()) made = preparedForward[layers].get();
-    if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, layers);
-    if (!frame.draws.blended.empty()) made->ensureBlend(device, layout, colorFormat, layers, frame.draws.blended);
+    const auto [layers, colored] = frame.masks;
+    std::unique_ptr<ForwardPipelines>& made = forwardPipelines[frame.masks.number()];
+    if (!made && !colored && layers < 2 && preparedForward[layers].valid()) made = preparedForward[layers].get();
+    if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, frame.masks);
+    if (!frame.draws.blended.empty()) made->ensureBlend(device, layout, colorFormat, frame.masks, frame.draws.blended);
     if (!frame.deferred) return;
-    if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[frame.deferredLayers]; !passes)
-        passes = std::make_unique<DeferredPipelines>(device, layout, colorFormat, frame.deferredLayers);
-    gBuffer.ensure(device, size, frame.deferredLayers);
+    if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[frame.deferredMasks.number()]; !passes)
+        passes = std::make_unique<DeferredPipelines>(device, layout, colorFormat, frame.deferredMasks);
+    gBuffer.ensure(device, size, frame.deferredMasks.layers);
 }
 
 void Renderer::Impl::bindFrame(FrameSlot& to, const PreparedFrame& frame, const RenderSettings& settings,
@@ -258,10 +260,10 @@ void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasse
     gpu::transition(device, commands, atlas.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
 }
 
-void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraws& draws, int maskLayers)
+void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraws& draws, MaskUse masks)
 {
     VkCommandBuffer commands = context.commands;
-    const DeferredPipelines& deferred = *deferredPipelines[maskLayers];
+    const DeferredPipelines& deferred = *deferredPipelines[masks.number()];
     for (const gpu::Image* image : gBuffer.images())
         gpu::transition(device, commands, *image, gpu::state::kReused, gpu::state::kColorAttachment);
     drawGBuffer(context, deferred, gBuffer, color, depth, draws);
@@ -299,8 +301,8 @@ void Renderer::Impl::recordFrame(VkCommandBuffer commands, FrameSlot& to, const 
     drawDepth(context, depth, frame.draws);
     gpu::transition(device, commands, depth, gpu::state::kDepthAttachment, gpu::state::kDepthAttachment);
     endPass(context, "depth");
-    if (frame.deferred) recordDeferred(context, frame.draws, frame.deferredLayers);
-    const ForwardPipelines& forward = *forwardPipelines[frame.maskLayers];
+    if (frame.deferred) recordDeferred(context, frame.draws, frame.deferredMasks);
+    const ForwardPipelines& forward = *forwardPipelines[frame.masks.number()];
     beginForward(context, color, depth, frame.deferred ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR);
     drawLit(context, forward, frame.draws);
     endPass(context, "forward");

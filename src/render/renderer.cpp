@@ -137,7 +137,7 @@ ImageRgba32f Renderer::Impl::readPicture() const
 RenderedFrame Renderer::Impl::reportOf(PreparedFrame frame, const RenderSettings& settings) const
 {
     RenderedFrame report;
-    report.forwardReadsMask = frame.maskLayers > 0;
+    report.forwardReadsMask = frame.masks.layers > 0;
     report.forwardObjects = frame.forwardObjects;
     report.gBufferTargets = frame.deferred ? int(gBuffer.images().size()) + 1 : 0;
     if (settings.lightRows) report.lights = lightRows(scene->outline, frame.view, frame.plan);
@@ -244,11 +244,11 @@ Status Renderer::show(const std::shared_ptr<Uploaded>& uploaded)
 void Renderer::prepareForward(bool shadowmask)
 {
     Impl& impl = *impl_;
-    if (impl.forwardPipelines[shadowmask] || impl.preparedForward[shadowmask].valid()) return;
-    impl.preparedForward[shadowmask] =
-        std::async(std::launch::async,
-                   [&device = impl.device, layout = impl.pipelines.layout.get(), format = impl.colorFormat,
-                    shadowmask] { return std::make_unique<ForwardPipelines>(device, layout, format, shadowmask); });
+    const MaskUse masks{int(shadowmask), false};
+    if (impl.forwardPipelines[masks.number()] || impl.preparedForward[shadowmask].valid()) return;
+    impl.preparedForward[shadowmask] = std::async(
+        std::launch::async, [&device = impl.device, layout = impl.pipelines.layout.get(), format = impl.colorFormat,
+                             masks] { return std::make_unique<ForwardPipelines>(device, layout, format, masks); });
 }
 
 const Scene& Renderer::scene() const

@@ -84,8 +84,8 @@ struct PreparedFrame {
     CameraDraws draws;
     std::vector<uint32_t> instances;
     bool deferred = false;
-    int maskLayers = 0;     ///< that surfaces lit as they are drawn read; of those that shaders are made for
-    int deferredLayers = 0; ///< the same of the G-buffer
+    MaskUse masks;         ///< of surfaces lit as they are drawn
+    MaskUse deferredMasks; ///< of the G-buffer
     int forwardObjects = 0;
 };
 
@@ -145,7 +145,7 @@ struct Renderer::Impl {
     /// Adds up the pages of light groups where weights have changed.
     void recordCompose(const PassContext& context);
     void recordShadows(const PassContext& context, const ShadowPasses& shadows);
-    void recordDeferred(const PassContext& context, const CameraDraws& draws, int maskLayers);
+    void recordDeferred(const PassContext& context, const CameraDraws& draws, MaskUse masks);
     void endPass(const PassContext& context, const char* name);
     /// What the caller of the frame gets, but for the picture.
     [[nodiscard]] RenderedFrame reportOf(PreparedFrame frame, const RenderSettings& settings) const;
@@ -156,10 +156,10 @@ struct Renderer::Impl {
     gpu::UniqueSetLayout setLayout;
     VkFormat colorFormat;
     Pipelines pipelines;
-    /// By number of mask layers, made when first used.
-    std::unique_ptr<ForwardPipelines> forwardPipelines[kMostMaskLayers + 1];
-    std::future<std::unique_ptr<ForwardPipelines>> preparedForward[2];         ///< the same, while a thread makes them
-    std::unique_ptr<DeferredPipelines> deferredPipelines[kMostMaskLayers + 1]; ///< as forwardPipelines
+    /// By MaskUse::number(), made when first used.
+    std::unique_ptr<ForwardPipelines> forwardPipelines[MaskUse::kCount];
+    std::future<std::unique_ptr<ForwardPipelines>> preparedForward[2];     ///< the same, while a thread makes them
+    std::unique_ptr<DeferredPipelines> deferredPipelines[MaskUse::kCount]; ///< as forwardPipelines
     std::unique_ptr<ComposePipeline> composePipeline;         ///< made with the first scene that has light groups
     std::map<VkFormat, gpu::UniquePipeline> displayPipelines; ///< by the target's format, made when first used
     gpu::UniqueSampler pageSampler;

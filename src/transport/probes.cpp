@@ -34,8 +34,10 @@ public:
         addBakedLights(id, position, estimate, components, rays);
         // Of a channel's lights at most one reaches a point.
         paths_.light().forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
-            if (light.channel >= 0 && light.reaches(position))
-                estimate.occlusion[light.channel] = grayOf(visibility(light, l, shadowSamples(), id, position, rays));
+            if (light.channel < 0 || !light.reaches(position)) return;
+            const vec3 visible = visibility(light, l, shadowSamples(), id, position, rays);
+            for (int c = 0; light.coloredMask && c < 3; ++c) estimate.occlusion[light.channel + c] = visible[c];
+            if (!light.coloredMask) estimate.occlusion[light.channel] = grayOf(visible);
         });
         return estimate;
     }

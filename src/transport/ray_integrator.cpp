@@ -8,6 +8,8 @@
 #include "transport/reflections.h"
 #include "transport/segments.h"
 #include "transport/shadows/baked_lights.h"
+#include "transport/shadows/colored_shadows.h"
+#include "transport/shadows/mask_layer.h"
 #include "transport/shadows/shadow_pass.h"
 #include "transport/texels/valid_points.h"
 
@@ -21,10 +23,6 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t kDirectSeed = 0x5eed0002u;
-/// Rays on shadow edges relative to the samples asked for. Masks are quantized to 1/255, baked light is not.
-constexpr int kTimesOnMaskEdges = 2;
-constexpr int kTimesOnLightEdges = 8;
-
 class RayIntegrator final : public Integrator {
 public:
     RayIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings,
@@ -56,40 +54,18 @@ public:
 
     std::unique_ptr<PreparedLightmap> prepare(const TexelMap& map, PartFolder* parts) override;
 
+    Status coloredShadows(const TexelMap& map, std::span<float> shares, const Progress& progress) override
+    {
+        return traceColoredShadows(paths_, pattern_, map, settings_.seed ^ kShadowSeed, shares, progress, rays_);
+    }
+
     Status shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
                       const Progress& progress) override
     {
-        std::fill(out.begin(), out.end(), vec4(1.0f));
-        std::vector<ShadowSource> sources;
-        std::vector<int> channels;
-        int timesOnEdges = kTimesOnMaskEdges;
-        const int first = layer * kLayerChannels;
-        for (int channel = first; channel < first + kLayerChannels; ++channel) {
-            // At most one of the lights of a channel reaches any point.
-            std::vector<const PunctualLight*> owners;
-            for (const PunctualLight& light : paths_.light().lights()) {
-                if (light.channel == channel) owners.push_back(&light);
-            }
-            if (owners.empty()) continue;
-            channels.push_back(channel);
-            const bool ofLight = owners.front()->maskOfLight;
-            if (ofLight) timesOnEdges = kTimesOnLightEdges;
-            sources.push_back(
-                {LightReach(owners), ofLight, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
-        }
-        std::vector<LitSum> counts;
         const ShadowPass pass{
-            paths_,       pattern_, map,          gridOf(map), request.texels, shadowSamplesOf(request),
-            timesOnEdges, progress, "shadowmask", rays_};
-        if (Status s = traceShadows(pass, sources, counts); !s) return s;
-        forEachIndex(request.texels.size(), [&](std::size_t i) {
-            for (std::size_t c = 0; c < channels.size(); ++c) {
-                const LitSum& count = counts[i * channels.size() + c];
-                // A mask of light is 0 where the light would not illuminate the texel.
-                out[i][channels[c] - first] = sources[c].lit && !count.any() ? 0.0f : count.share();
-            }
-        });
-        return {};
+            paths_,   pattern_,     map,  gridOf(map), request.texels, shadowSamplesOf(request), kTimesOnMaskEdges,
+            progress, "shadowmask", rays_};
+        return traceMaskLayer(pass, settings_.seed ^ kShadowSeed, layer, out);
     }
 
     Status probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,

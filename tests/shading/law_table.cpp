@@ -160,6 +160,40 @@ void lawOfMixing(int cases)
     }
 }
 
+void lawByColor(int cases)
+{
+    Numbers m(6);
+    {
+        Function f("mixShadowsByColor", "law.h",
+                   {"mode", "hasBaked", "baked", "hasRealtime", "realtime", "fade", "strength"});
+        for (int i = 0; i < cases; ++i) {
+            const int mode = m.mode();
+            const bool hasBaked = m.flag();
+            const vec3 baked = m.color(1.0f);
+            const bool hasRealtime = m.flag();
+            const float realtime = m.share();
+            const float fade = m.share();
+            const float strength = m.share();
+            f.add(mode, hasBaked, baked, hasRealtime, realtime, fade, strength,
+                  mixShadowsByColor(mode, hasBaked, baked, hasRealtime, realtime, fade, strength));
+        }
+    }
+    {
+        Function f("subtractiveIrradianceByColor", "law.h",
+                   {"lightmap", "mainIrradiance", "baked", "faded", "shadowColor", "strength"});
+        for (int i = 0; i < cases; ++i) {
+            const vec3 lightmap = m.color(8.0f);
+            const vec3 main = m.color(8.0f);
+            const vec3 baked = m.color(1.0f);
+            const float faded = m.share();
+            const vec3 shadow = m.color(2.0f);
+            const float strength = m.share();
+            f.add(lightmap, main, baked, faded, shadow, strength,
+                  subtractiveIrradianceByColor(lightmap, main, baked, faded, shadow, strength));
+        }
+    }
+}
+
 void storedLight(int cases)
 {
     Numbers n(2);
@@ -278,6 +312,7 @@ int main()
     constexpr int kCases = 64; // of each function
     std::printf("{\"version\": 1, \"relativeTolerance\": 1e-4, \"absoluteTolerance\": 1e-5, \"functions\": [\n");
     lawOfMixing(kCases);
+    lawByColor(kCases);
     storedLight(kCases);
     lights(kCases);
     sight(kCases);

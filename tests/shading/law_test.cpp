@@ -333,5 +333,29 @@ TEST(Law, ModesThatReadBakedShadows)
     EXPECT_TRUE(modeUsesBakedShadows(kModeSubtractive));
 }
 
+/// The law by colour channel: each is what a grey light of that B gives.
+TEST(LawS35, ColorsAreMixedChannelByChannel)
+{
+    const vec3 baked(0.9f, 0.3f, 0.0f);
+    for (const int mode : kModes)
+        for (const bool hasBaked : {false, true})
+            for (const bool hasMap : {false, true})
+                for (const float t : {0.0f, 0.4f, 1.0f}) {
+                    const vec3 mixed = mixShadowsByColor(mode, hasBaked, baked, hasMap, 0.5f, t, 0.8f);
+                    for (int c = 0; c < 3; ++c)
+                        EXPECT_EQ(mixed[c], mixShadows(mode, hasBaked, baked[c], hasMap, 0.5f, t, 0.8f));
+                }
+    // By hand, beyond the shadow distance: 1 - k (1 - B).
+    const vec3 far = mixShadowsByColor(kModeDistanceShadowmask, true, baked, true, 0.1f, 1.0f, 0.5f);
+    EXPECT_FLOAT_EQ(far.x, 0.95f);
+    EXPECT_FLOAT_EQ(far.y, 0.65f);
+    EXPECT_FLOAT_EQ(far.z, 0.5f);
+    // By hand: guess 8 (B - F) where B > F, subtracted down to the colour.
+    const vec3 dark = subtractiveIrradianceByColor({10, 5, 2}, {8, 8, 8}, {1.0f, 0.5f, 0.2f}, 0.25f, {0, 4, 0}, 1.0f);
+    EXPECT_FLOAT_EQ(dark.x, 4.0f);
+    EXPECT_FLOAT_EQ(dark.y, 4.0f);
+    EXPECT_FLOAT_EQ(dark.z, 2.0f);
+}
+
 } // namespace
 } // namespace halflight::shading::law_test

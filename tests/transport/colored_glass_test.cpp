@@ -243,8 +243,8 @@ TEST_P(GlassBouncesS35, PlanesWithGlassBetween)
     expectColor(meanOf(below), expected, 0.015f);
 }
 
-/// A mask has no colour: it takes the luminance of what passes.
-TEST(GlassMasksS35, MasksHoldTheLuminance)
+/// A mask of one channel has no colour: it takes the luminance of what passes.
+TEST(GlassMasksS35, GreyMasksHoldTheLuminance)
 {
     Scene scene = floorUnder(Glass::Quad);
     scene.lights.push_back(makeLight(LightType::Directional, vec3(0), kSlanted, 10.0f, LightMode::Mixed));

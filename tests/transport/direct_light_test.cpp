@@ -101,8 +101,8 @@ TEST_P(DirectS6, SubtractiveMainLightIsWhatItsMaskLetsArrive)
         } else if (std::abs(place.x + 1.0f) > 0.1f && std::abs(place.x - 1.0f) > 0.1f) {
             const int kind = place.x < -1.0f ? 1 : place.x < 1.0f ? 2 : 3;
             const float arrives = kind == 1 ? 0.4f : kind == 2 ? 1.0f : 0.0f;
-            EXPECT_NEAR(main->transmittance[i], arrives, 0.002f);
-            EXPECT_NEAR(main->at(i).x, 10.0f * (0.5f + 0.5f * main->transmittance[i]), 1e-4f);
+            EXPECT_NEAR(main->transmittance[i].x, arrives, 0.002f);
+            EXPECT_NEAR(main->at(i).x, 10.0f * (0.5f + 0.5f * main->transmittance[i].x), 1e-4f);
             ++seen[kind];
         }
     }
@@ -116,22 +116,22 @@ TEST(ShadowColorS23, IsTheLightWhereTheMainLightIsShadowed)
     MainLight main;
     std::vector<vec3> light;
     for (int i = 0; i < 100; ++i) { // in the sun, which tells nothing
-        main.transmittance.push_back(1.0f);
+        main.transmittance.emplace_back(1.0f);
         main.unshadowed.emplace_back(5.0f);
         light.emplace_back(50.0f);
     }
     for (int i = 0; i < 100; ++i) { // faces away
-        main.transmittance.push_back(0.0f);
+        main.transmittance.emplace_back(0.0f);
         main.unshadowed.emplace_back(0.0f);
         light.emplace_back(70.0f);
     }
     for (int i = 0; i <= 100; ++i) { // shadowed: 1…2, 3…2, 4
-        main.transmittance.push_back(0.0f);
+        main.transmittance.emplace_back(0.0f);
         main.unshadowed.emplace_back(5.0f);
         light.emplace_back(1.0f + 0.01f * float(i), 3.0f - 0.01f * float(i), 4.0f);
     }
     for (int i = 0; i < 40; ++i) { // and covered by what stands there
-        main.transmittance.push_back(0.0f);
+        main.transmittance.emplace_back(0.0f);
         main.unshadowed.emplace_back(5.0f);
         light.emplace_back(0.001f);
     }

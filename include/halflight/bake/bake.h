@@ -117,6 +117,7 @@ struct LightReport {
     int channel = -1;
     std::string reason;        ///< why it is not baked as authored; empty if it is
     float reachMeters = 0.0f;  ///< BakingOutput::reachMeters
+    bool coloredMask = false;  ///< BakingOutput::coloredMask
     bool distanceMask = false; ///< its channel holds distances (MaskEncoding::Distance), not attenuation
 };
 

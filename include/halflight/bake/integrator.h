@@ -235,8 +235,14 @@ public:
     /// For irradiance of a map's texels. `parts` may be null. It, the map and the integrator outlive the result.
     virtual std::unique_ptr<PreparedLightmap> prepare(const TexelMap& map, PartFolder* parts) = 0;
 
+    /// By light of the scene: share of the texels in its reach where its shadow's colour channels differ by more than
+    /// 2/255. Looks at a part of the texels, with few rays, and takes all their points as valid. 0 for lights without a
+    /// mask channel, and in scenes without coloured glass.
+    virtual Status coloredShadows(const TexelMap& map, std::span<float> shares, const Progress& progress) = 0;
+
     /// Attenuation by static casters for each light with a channel of that mask layer, 0…1; 1 in channels without a
-    /// light in reach. For subtractive's main light: shadowed over unshadowed irradiance, 0 where both are 0.
+    /// light in reach. Lights with coloured masks have a value in each of their three channels. For subtractive's main
+    /// light: shadowed over unshadowed irradiance, 0 where both are 0.
     virtual Status shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
                               const Progress& progress) = 0;
 

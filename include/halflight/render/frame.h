@@ -197,8 +197,9 @@ struct FramePlan {
     /// lightmap (spec S22, S27). Empty when the main light has no map.
     std::vector<uint8_t> mainShadowReceivers;
     LightClusters clusters;
-    bool usesMask = false; ///< any light reads a shadowmask channel this frame (spec S11); never in subtractive
-    int maskLayers = 0;    ///< layers up to that of the last channel read (spec S36); 0 where usesMask is false
+    bool usesMask = false;     ///< any light reads a shadowmask channel this frame (spec S11); never in subtractive
+    int maskLayers = 0;        ///< layers up to that of the last channel read (spec S36); 0 where usesMask is false
+    bool coloredMasks = false; ///< B of some light has a colour (spec S35); also of subtractive's main light
     /// Subtractive: the main light's own mask says how much of its light arrives where its realtime shadow is
     /// subtracted (spec S22). False without such a shadow, and for files that hold no mask.
     bool subtractsByMask = false;

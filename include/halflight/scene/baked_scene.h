@@ -133,6 +133,9 @@ struct BakedScene {
 /// Layers that hold the channels of all lights, at least 1.
 int maskLayersOf(const Scene& scene);
 
+/// Whether a light's mask has a colour (BakingOutput::coloredMask).
+bool hasColoredMasks(const Scene& scene);
+
 /// Of the mask's pictures; zero where none has texels.
 ivec2 maskPageSize(const BakedScene& baked);
 

@@ -158,8 +158,10 @@ struct BakingOutput {
     LightMode bakeType = LightMode::Realtime; ///< what the light is after the bake: an overflowing mixed light is Baked
     MixedLightingMode mixedMode = MixedLightingMode::Shadowmask;
     int occlusionMaskChannel = -1; ///< -1 none; 0 to 3: R to A of the first mask layer, 4 to 7 of the second …
-    std::string reason;            ///< why bakeType differs from the authored mode; empty when it does not
-    mat4 worldFromLight{1.0f};     ///< pose at bake time, to tell a light that was moved since
+    /// Its shadow has a colour, that of glass (spec S35): it takes R, G and B of a layer, and the channel is R's.
+    bool coloredMask = false;
+    std::string reason;        ///< why bakeType differs from the authored mode; empty when it does not
+    mat4 worldFromLight{1.0f}; ///< pose at bake time, to tell a light that was moved since
     /// Point, spot: the mask and the probes hold this light's shadow up to here, and B is 1 beyond (spec section 4).
     /// The range at bake time, or the effective reach of a light without one; 0 = unlimited.
     float reachMeters = 0.0f;

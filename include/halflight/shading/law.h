@@ -82,6 +82,15 @@ HL_FN float mixShadows(int mode, bool hasBaked, float baked, bool hasRealtime, f
     return applyShadowStrength(mixShadowsFullStrength(mode, hasBaked, baked, hasRealtime, realtime, fade), strength);
 }
 
+// S35. The law is one for each colour channel: baked is B by colour, of a mask that has one.
+HL_FN vec3 mixShadowsByColor(int mode, bool hasBaked, vec3 baked, bool hasRealtime, float realtime, float fade,
+                             float strength)
+{
+    return vec3(mixShadows(mode, hasBaked, baked.x, hasRealtime, realtime, fade, strength),
+                mixShadows(mode, hasBaked, baked.y, hasRealtime, realtime, fade, strength),
+                mixShadows(mode, hasBaked, baked.z, hasRealtime, realtime, fade, strength));
+}
+
 // S21…S24. Irradiance of a static receiver in subtractive mode: lightmap G (which holds the main light's direct light
 // already) darkened where dynamic objects shadow the main light. mainIrradiance is the main light's unshadowed
 // irradiance on the surface, L * saturate(N.l). baked is B, the main light's own mask: only light that arrives is taken
@@ -92,6 +101,15 @@ HL_FN vec3 subtractiveIrradiance(vec3 lightmap, vec3 mainIrradiance, float baked
     vec3 guess = mainIrradiance * (baked - min(baked, faded));
     vec3 shadowed = max(lightmap - guess, shadowColor);
     return min(lightmap, mix(lightmap, shadowed, strength));
+}
+
+// S35. The same with B by colour.
+HL_FN vec3 subtractiveIrradianceByColor(vec3 lightmap, vec3 mainIrradiance, vec3 baked, float faded, vec3 shadowColor,
+                                        float strength)
+{
+    return vec3(subtractiveIrradiance(lightmap, mainIrradiance, baked.x, faded, shadowColor, strength).x,
+                subtractiveIrradiance(lightmap, mainIrradiance, baked.y, faded, shadowColor, strength).y,
+                subtractiveIrradiance(lightmap, mainIrradiance, baked.z, faded, shadowColor, strength).z);
 }
 
 // S12, S13, S22. Whether a static object is drawn into a light's shadow map; dynamic casters always are.

@@ -163,8 +163,10 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
         hasher.add(part.firstStored).add(i.linear).add(i.origin).add(i.texelScale).add(i.texelOffset);
     }
     hasher.add(geometry.texelSides);
-    for (const Light& light : scene.lights)
+    for (const Light& light : scene.lights) {
         hasher.add(lightHash(light)).add(int(light.baking.bakeType)).add(light.baking.occlusionMaskChannel);
+        if (light.baking.coloredMask) hasher.add(3); // channels
+    }
     addSky(hasher, scene.sky);
     return hasher.hash();
 }

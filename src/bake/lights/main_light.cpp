@@ -62,6 +62,7 @@ std::optional<MainLight> findMainLight(const Scene& scene)
         main.illuminance = light.color * light.intensity;
         main.shadowStrength = light.shadowStrength;
         main.channel = light.baking.occlusionMaskChannel;
+        main.coloredMask = light.baking.coloredMask;
         return main;
     }
     return std::nullopt;
@@ -73,11 +74,12 @@ Status bakeMainLight(const CachedIntegrator& cached, MainLight& main, const Prog
     std::vector<vec4> mask(count);
     if (Status s = cached.shadowmask(0, mask, progress); !s) return s;
     main.unshadowed.assign(count, vec3(0.0f));
-    main.transmittance.assign(count, 0.0f);
+    main.transmittance.assign(count, vec3(0.0f));
     parallelFor(count, 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (cached.map.texels[i].validPoints == 0) continue;
-            main.transmittance[i] = std::round(mask[i][main.channel] * 255.0f) / 255.0f; // as the mask stores it
+            const vec3 passed = main.coloredMask ? vec3(mask[i]) : vec3(mask[i][main.channel]);
+            main.transmittance[i] = glm::round(passed * 255.0f) / 255.0f; // as the mask stores it
             main.unshadowed[i] = unshadowedIrradiance(cached.geometry, cached.map, cached.map.texels[i],
                                                       main.towardsLight, main.illuminance);
         }
@@ -98,7 +100,12 @@ void MainLight::addMomentTo(std::vector<vec3>& moments) const
 std::vector<vec4> MainLight::mask() const
 {
     std::vector<vec4> values(transmittance.size(), vec4(1.0f));
-    for (std::size_t i = 0; i < values.size(); ++i) values[i][channel] = transmittance[i];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (coloredMask)
+            values[i] = vec4(transmittance[i], 1.0f);
+        else
+            values[i][channel] = transmittance[i].x;
+    }
     return values;
 }
 
@@ -112,7 +119,7 @@ vec3 chooseShadowColor(const MainLight& main, const std::vector<vec3>& otherLigh
     constexpr float kCovered = 0.1f; // of the mean: darker texels lie under an object
 
     const auto faces = [&](std::size_t i) { return luminance(main.unshadowed[i]) > 0.0f; };
-    const auto shadowed = [&](std::size_t i) { return faces(i) && main.transmittance[i] == 0.0f; };
+    const auto shadowed = [&](std::size_t i) { return faces(i) && main.transmittance[i] == vec3(0.0f); };
     const auto colorOf = [&](const auto& counts) -> std::optional<vec3> {
         double sum = 0.0;
         std::size_t count = 0;

@@ -19,18 +19,19 @@ struct MainLight {
     vec3 illuminance{0.0f};  ///< lux, on a surface perpendicular to it
     float shadowStrength = 1.0f;
     int channel = 0;
-    std::vector<vec3> unshadowed;     ///< lux by texel, unoccluded; 0 inside geometry
-    std::vector<float> transmittance; ///< by texel, 0…1 in steps of 1/255, without the shadow strength
+    bool coloredMask = false;        ///< BakingOutput::coloredMask
+    std::vector<vec3> unshadowed;    ///< lux by texel, unoccluded; 0 inside geometry
+    std::vector<vec3> transmittance; ///< by texel, 0…1 in steps of 1/255, without the shadow strength
 
     /// Its direct light in the lightmap, lux.
     [[nodiscard]] vec3 at(std::size_t texel) const
     {
-        return glm::mix(1.0f, transmittance[texel], shadowStrength) * unshadowed[texel];
+        return glm::mix(vec3(1.0f), transmittance[texel], shadowStrength) * unshadowed[texel];
     }
     void addTo(std::vector<vec3>& irradiance) const;
     /// Adds its first moments (IrradianceEstimate::moment).
     void addMomentTo(std::vector<vec3>& moments) const;
-    /// `transmittance` in its channel, 1 in the others.
+    /// `transmittance` in its channel or channels, 1 in the others.
     [[nodiscard]] std::vector<vec4> mask() const;
 };
 

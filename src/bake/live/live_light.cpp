@@ -60,6 +60,7 @@ void withoutMask(BakedScene& light)
             baking.bakeType = LightMode::Baked;
         baking.mixedMode = MixedLightingMode::BakedIndirect;
         baking.occlusionMaskChannel = -1;
+        baking.coloredMask = false;
     }
 }
 

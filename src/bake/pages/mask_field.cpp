@@ -84,14 +84,14 @@ ShadowEdge edgeIn(const TexelMap& map, const TexelGrid& grid, const std::vector<
 
 } // namespace
 
-std::array<MaskChannel, kLayerChannels> maskToDistances(const TexelMap& map, std::vector<vec4>& mask)
+std::array<MaskChannel, kLayerChannels> maskToDistances(const TexelMap& map, std::vector<vec4>& mask, int first)
 {
     const TexelGrid grid(map);
 
     std::array<MaskChannel, kLayerChannels> channels{};
     std::vector<ShadowEdge> edges(map.texels.size());
     std::vector<float> distances(map.texels.size());
-    for (int channel = 0; channel < kLayerChannels; ++channel) {
+    for (int channel = first; channel < kLayerChannels; ++channel) {
         const float penumbra = meanPenumbra(map, grid, mask, channel);
         if (penumbra < 0.0f || penumbra > kWidestPenumbra) continue;
         channels[std::size_t(channel)] = {kRangeTexels, penumbra};

@@ -14,14 +14,8 @@
 
 namespace halflight {
 
-namespace {
-
-/// Names mixed lights and coloured glass, whose masks and realtime shadows have no colour.
-void reportGrayShadows(const Scene& scene, BakeReport& report)
+std::set<std::string> coloringGlassOf(const Scene& scene)
 {
-    std::vector<std::string> lights;
-    for (const Light& light : scene.lights)
-        if (light.castShadows && light.baking.occlusionMaskChannel >= 0) lights.push_back(light.name);
     std::set<std::string> glass;
     for (const Object& object : scene.objects) {
         if (!object.isStatic || !object.castShadows || object.mesh < 0) continue;
@@ -30,15 +24,24 @@ void reportGrayShadows(const Scene& scene, BakeReport& report)
             if (material.castShadows && colorsLight(material)) glass.insert(material.name);
         }
     }
-    if (lights.empty() || glass.empty()) return;
-    report.warnings.push_back("glass " + listOf({glass.begin(), glass.end()}) +
-                              " gives light a colour: the masks and "
-                              "realtime shadows of the mixed lights " +
-                              listOf(lights) +
-                              " are grey there; halflight_mode = \"baked\" gives their direct light the colour");
+    return glass;
 }
 
-} // namespace
+void reportColoredMasks(const Scene& scene, const std::vector<std::string>& leftGray, int mostLayers,
+                        BakeReport& report)
+{
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        report.lights[i].channel = scene.lights[i].baking.occlusionMaskChannel;
+        report.lights[i].coloredMask = scene.lights[i].baking.coloredMask;
+    }
+    if (leftGray.empty()) return;
+    const std::set<std::string> glass = coloringGlassOf(scene);
+    report.warnings.push_back(
+        "the masks of the mixed lights " + listOf(leftGray) + " are grey behind the glass " +
+        listOf({glass.begin(), glass.end()}) + ", as no mask layer has three channels free for each; " +
+        (mostLayers < kMostMaskLayers ? "bake with --mask-layers auto" : "give the lights there shorter ranges") +
+        ", or halflight_mode = \"baked\", which gives their direct light the colour");
+}
 
 constexpr std::size_t kOwnWarnings = 3; ///< fully baked lights that get a warning each
 
@@ -71,7 +74,6 @@ void reportLights(const Scene& scene, BakeReport& report)
                                   "everything: their baked shadows end where they add little light (reach in the "
                                   "report); give them a range to choose it yourself");
     }
-    reportGrayShadows(scene, report);
 }
 
 void reportNoise(std::span<const IrradianceEstimate> estimates, const std::optional<MainLight>& main,

@@ -8,8 +8,10 @@
 
 #include <chrono>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace halflight {
 
@@ -37,6 +39,13 @@ private:
 
 /// Rows of the lights, with warnings for those that are not baked as authored.
 void reportLights(const Scene& scene, BakeReport& report);
+
+/// Static materials that give light that passes a colour.
+std::set<std::string> coloringGlassOf(const Scene& scene);
+
+/// Channels of the lights' rows anew, with a warning for lights whose masks lack their colour (S35).
+void reportColoredMasks(const Scene& scene, const std::vector<std::string>& leftGray, int mostLayers,
+                        BakeReport& report);
 
 /// Noise and sample counts of the estimates before denoising. `main`: direct light that is not in the estimates.
 void reportNoise(std::span<const IrradianceEstimate> estimates, const std::optional<MainLight>& main,

@@ -37,14 +37,16 @@ using nlohmann::json;
 
 json jsonOf(const LightReport& light)
 {
-    return {{"name", light.name},
-            {"type", nameOf(light.type)},
-            {"mode", nameOf(light.authoredMode)},
-            {"bakedAs", nameOf(light.bakedAs)},
-            {"channel", light.channel},
-            {"reach", light.reachMeters},
-            {"maskEncoding", light.distanceMask ? "distance" : "attenuation"},
-            {"reason", light.reason}};
+    json result = {{"name", light.name},
+                   {"type", nameOf(light.type)},
+                   {"mode", nameOf(light.authoredMode)},
+                   {"bakedAs", nameOf(light.bakedAs)},
+                   {"channel", light.channel},
+                   {"reach", light.reachMeters},
+                   {"maskEncoding", light.distanceMask ? "distance" : "attenuation"},
+                   {"reason", light.reason}};
+    if (light.coloredMask) result["coloredMask"] = true;
+    return result;
 }
 
 json jsonOf(const StageReport& stage)

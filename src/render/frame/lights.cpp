@@ -117,6 +117,7 @@ void selectLights(const BakedScene& baked, const FrameView& view, FramePlan& pla
         // Casters by spec section 2: "dynamic only, for lights that have a channel (or are fully baked for static)".
         // The second half is every mixed light of subtractive mode, the main light or not.
         frameLight.staticCasters = shading::staticCastersInShadowMap(mode, frameLight.hasBaked || inLightmap);
+        plan.coloredMasks = plan.coloredMasks || (frameLight.hasBaked && light.baking.coloredMask);
         if (frameLight.hasBaked && !subtractive)
             plan.maskLayers = std::max(plan.maskLayers, frameLight.channel / kLayerChannels + 1);
         plan.usesMask = plan.maskLayers > 0;

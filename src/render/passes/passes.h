@@ -32,11 +32,20 @@ constexpr int shaderMaskLayers(int layers)
     return layers == 3 ? 4 : layers;
 }
 
-/// Surfaces that are lit as they are drawn, for frames that read so many mask layers (spec S11, S36).
+/// What shaders read of masks, for which they are made (spec S11, S35, S36).
+struct MaskUse {
+    int layers = 0;       ///< of shaderMaskLayers()
+    bool colored = false; ///< some mask has a colour
+
+    static constexpr int kCount = 2 * (kMostMaskLayers + 1);
+    [[nodiscard]] int number() const { return 2 * layers + int(colored); } ///< below kCount
+};
+
+/// Surfaces that are lit as they are drawn.
 struct ForwardPipelines {
-    ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers);
+    ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, MaskUse masks);
     /// Before frames that draw these blended parts: a CPU driver compiles a pipeline for a second.
-    void ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers,
+    void ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, MaskUse masks,
                      std::span<const Draw> blended);
 
     gpu::UniquePipeline lit;
@@ -61,7 +70,7 @@ struct GBuffer {
 /// The deferred path's own pipelines, for a G-buffer of so many mask layers.
 struct DeferredPipelines {
     /// Throws gpu::Failure on a device that cannot draw into so many targets at once.
-    DeferredPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers);
+    DeferredPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, MaskUse masks);
 
     gpu::UniquePipeline gBuffer;
     gpu::UniquePipeline light;

@@ -51,6 +51,12 @@ gpu::UniqueShader lightShader(const gpu::Device& device, int maskLayers)
     return maskLayers == 2 ? gpu::makeShader(device, light_mask2_frag) : gpu::makeShader(device, light_mask4_frag);
 }
 
+/// The specialization constants of shaders that light surfaces.
+std::vector<uint32_t> constantsOf(int alphaMode, MaskUse masks)
+{
+    return {uint32_t(alphaMode), uint32_t(masks.layers), uint32_t(masks.colored)};
+}
+
 std::vector<VkVertexInputBindingDescription> depthVertexBindings()
 {
     return {{0, sizeof(vec3), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(MaskVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
@@ -125,18 +131,18 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
 }
 
 ForwardPipelines::ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
-                                   int maskLayers)
+                                   MaskUse masks)
 {
     const gpu::UniqueShader vertex = gpu::makeShader(device, mesh_vert);
     const gpu::UniqueShader fragment = gpu::makeShader(device, lit_frag);
     gpu::GraphicsPipelineInfo info = meshPipelineInfo(layout, vertex.get(), fragment.get());
     info.colorFormats = {colorFormat};
-    info.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(maskLayers)};
+    info.constants = constantsOf(shading::kAlphaOpaque, masks);
     lit = gpu::makePipeline(device, info);
 }
 
 void ForwardPipelines::ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
-                                   int maskLayers, std::span<const Draw> blended)
+                                   MaskUse masks, std::span<const Draw> blended)
 {
     const bool tints = std::ranges::any_of(blended, [](const Draw& draw) { return draw.part->tintsLight; });
     const bool greys = std::ranges::any_of(blended, [](const Draw& draw) { return !draw.part->tintsLight; });
@@ -149,7 +155,7 @@ void ForwardPipelines::ensureBlend(const gpu::Device& device, VkPipelineLayout l
     const auto make = [&](gpu::UniquePipeline& pipeline, gpu::Blend how, int alphaMode) {
         if (pipeline) return;
         info.blend = how;
-        info.constants = {uint32_t(alphaMode), uint32_t(maskLayers)};
+        info.constants = constantsOf(alphaMode, masks);
         pipeline = gpu::makePipeline(device, info);
     };
     if (greys) make(blend, gpu::Blend::Premultiplied, shading::kAlphaBlend);
@@ -193,18 +199,18 @@ std::vector<const gpu::Image*> GBuffer::images() const
 }
 
 DeferredPipelines::DeferredPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
-                                     int maskLayers)
+                                     MaskUse masks)
 {
     const gpu::UniqueShader meshVertex = gpu::makeShader(device, mesh_vert);
-    const gpu::UniqueShader gBufferFragment = gBufferShader(device, maskLayers);
+    const gpu::UniqueShader gBufferFragment = gBufferShader(device, masks.layers);
     const gpu::UniqueShader pictureVertex = gpu::makeShader(device, sky_vert);
-    const gpu::UniqueShader lightFragment = lightShader(device, maskLayers);
+    const gpu::UniqueShader lightFragment = lightShader(device, masks.layers);
 
     gpu::GraphicsPipelineInfo gBufferInfo = meshPipelineInfo(layout, meshVertex.get(), gBufferFragment.get());
-    gBufferInfo.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(maskLayers)};
+    gBufferInfo.constants = constantsOf(shading::kAlphaOpaque, masks);
     gBufferInfo.colorFormats.assign(std::begin(kGBufferFormats), std::end(kGBufferFormats));
     gBufferInfo.colorFormats.push_back(colorFormat);
-    for (const VkFormat format : maskFormats(maskLayers)) gBufferInfo.colorFormats.push_back(format);
+    for (const VkFormat format : maskFormats(masks.layers)) gBufferInfo.colorFormats.push_back(format);
     if (gBufferInfo.colorFormats.size() > device.properties().limits.maxColorAttachments)
         throw gpu::Failure("the deferred path needs " + std::to_string(gBufferInfo.colorFormats.size()) +
                            " targets, more than the Vulkan device draws into at once; use the forward path");

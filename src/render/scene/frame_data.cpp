@@ -129,7 +129,8 @@ std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& pl
                           (frameLight.hasRealtimeShadow ? shading::kLightHasRealtime : 0) |
                           (frameLight.skipStatic ? shading::kLightSkipStatic : 0) |
                           (frameLight.skipDynamic ? shading::kLightSkipDynamic : 0) |
-                          (frameLight.overflowed ? shading::kLightOverflowed : 0);
+                          (frameLight.overflowed ? shading::kLightOverflowed : 0) |
+                          (light.baking.coloredMask ? shading::kLightColoredMask : 0);
         out.info = ivec4(int(light.type), flags, std::max(frameLight.channel, 0), std::max(frameLight.firstTile, 0));
         const ShadowSettings biased = shadowSettingsOf(light, shadows);
         out.shadowBias = vec4(biased.depthBias, biased.normalBiasTexels,

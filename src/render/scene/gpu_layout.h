@@ -177,7 +177,8 @@ HL_CONST int kLightHasBaked = 1;
 HL_CONST int kLightHasRealtime = 2;
 HL_CONST int kLightSkipStatic = 4;
 HL_CONST int kLightSkipDynamic = 8;
-HL_CONST int kLightOverflowed = 16; // there for the overlap view alone
+HL_CONST int kLightOverflowed = 16;  // there for the overlap view alone
+HL_CONST int kLightColoredMask = 32; // B has a colour: R, G and B of the channel's layer
 
 struct GpuLight {
     vec4 positionRange;  // xyz world, w range in metres (0 = unlimited)

@@ -72,6 +72,7 @@ inline constexpr Rule kBakeRules[] = {
     {"nodes/*/extensions/HALFLIGHT_light/baking/bakeType", Kind::Text},
     {"nodes/*/extensions/HALFLIGHT_light/baking/mixedLightingMode", Kind::Text},
     {"nodes/*/extensions/HALFLIGHT_light/baking/occlusionMaskChannel", Kind::Signed},
+    {"nodes/*/extensions/HALFLIGHT_light/baking/coloredMask", Kind::Flag},
     {"nodes/*/extensions/HALFLIGHT_light/baking/reason", Kind::Text},
     {"nodes/*/extensions/HALFLIGHT_light/baking/group", Kind::Index},
     {"nodes/*/extensions/HALFLIGHT_light/baking/white", Kind::Numbers, 3},

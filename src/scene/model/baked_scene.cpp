@@ -12,6 +12,11 @@ int maskLayersOf(const Scene& scene)
     return layers;
 }
 
+bool hasColoredMasks(const Scene& scene)
+{
+    return std::ranges::any_of(scene.lights, [](const Light& light) { return light.baking.coloredMask; });
+}
+
 ivec2 maskPageSize(const BakedScene& baked)
 {
     const auto page = std::find_if(baked.shadowmasks.begin(), baked.shadowmasks.end(),

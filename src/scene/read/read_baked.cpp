@@ -39,6 +39,23 @@ Status readMaskLayers(const Json& root, BakedScene& baked)
     return {};
 }
 
+/// Those that say so have a layer's first three channels, which hold attenuation.
+Status checkColoredMasks(const Json& root, const BakedScene& baked)
+{
+    for (const Light& light : baked.scene.lights) {
+        if (!light.baking.coloredMask) continue;
+        const int channel = light.baking.occlusionMaskChannel;
+        const std::string name = "light \"" + light.name + "\" has a coloured mask, and ";
+        if (member(root, "version") != kLayeredVersion) return invalid(kBakePath, name + "the version has none");
+        if (channel < 0 || channel % kLayerChannels != 0)
+            return invalid(kBakePath, name + "its channel is not the first of a mask layer");
+        for (int c = channel; c < channel + 3; ++c)
+            if (baked.maskChannels[std::size_t(c)].rangeTexels > 0.0f)
+                return invalid(kBakePath, name + "shadowmaskChannels says that it holds distances");
+    }
+    return {};
+}
+
 Status readMaskChannels(const Json& json, BakedScene& baked)
 {
     if (json.is_null()) return {};
@@ -217,6 +234,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     if (Status s = readGroups(root, baked); !s) return s.error();
     if (Status s = readPictures(document, root, baked); !s) return s.error();
     if (Status s = readMaskChannels(member(root, "shadowmaskChannels"), baked); !s) return s.error();
+    if (Status s = checkColoredMasks(root, baked); !s) return s.error();
     const auto origin = recordedOrigin(document);
     if (!origin) return origin.error();
     const glm::dvec3 shift = *origin - baked.scene.originMeters;

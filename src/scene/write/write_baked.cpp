@@ -102,7 +102,7 @@ private:
 
     void writeRoot()
     {
-        const bool layered = baked_.maskLayers > 1 || !baked_.groups.empty();
+        const bool layered = baked_.maskLayers > 1 || !baked_.groups.empty() || hasColoredMasks(scene_);
         root_["version"] = layered ? kLayeredVersion : kFormatVersion;
         if (baked_.maskLayers > 1) root_["shadowmaskLayers"] = baked_.maskLayers;
         root_["mode"] = nameOf(baked_.mode);

@@ -157,6 +157,7 @@ private:
                   {"mixedLightingMode", nameOf(light.baking.mixedMode)},
                   {"occlusionMaskChannel", light.baking.occlusionMaskChannel},
                   {"worldFromLight", worldNumbers(light.baking.worldFromLight)}};
+        if (light.baking.coloredMask) baking["coloredMask"] = true;
         if (light.type != LightType::Directional && light.baking.reachMeters > 0.0f)
             baking["reach"] = light.baking.reachMeters;
         if (light.type == LightType::Spot) baking["outerConeAngle"] = light.baking.outerConeRadians;

@@ -46,6 +46,7 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use, cons
             p.bounces = baked || mixed;
             p.indirectMultiplier = light.indirectMultiplier;
             p.channel = light.baking.occlusionMaskChannel;
+            p.coloredMask = light.baking.coloredMask;
             if (light.type != LightType::Directional) p.reach = light.baking.reachMeters;
         }
         if (components.count > 0) p.component = components.ofLight[lights.size()];

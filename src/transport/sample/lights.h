@@ -53,7 +53,8 @@ struct PunctualLight {
     bool directAtProbes = false; ///< the probes contain its direct light
     bool bounces = false;        ///< its bounced light is baked
     int channel = -1;
-    int component = 0; ///< LightComponents
+    bool coloredMask = false; ///< BakingOutput::coloredMask
+    int component = 0;        ///< LightComponents
     /// Subtractive's main light. Its mask is the transmitted fraction of the light that a texel would receive. A later
     /// stage adds its direct light from the stored mask.
     bool maskOfLight = false;

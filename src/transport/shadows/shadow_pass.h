@@ -12,6 +12,10 @@
 
 namespace halflight {
 
+/// Rays on shadow edges relative to the samples asked for. Masks are quantized to 1/255, baked light is not.
+constexpr int kTimesOnMaskEdges = 2;
+constexpr int kTimesOnLightEdges = 8;
+
 struct ShadowPass {
     const PathTracer& paths;
     const StratifiedPattern& pattern;
@@ -28,6 +32,10 @@ struct ShadowPass {
     [[nodiscard]] ShadowPass of(std::span<const uint32_t> others, const Progress& part) const
     {
         return {paths, pattern, map, grid, others, samples, timesOnEdges, part, stage, rays};
+    }
+    [[nodiscard]] ShadowPass withEdges(int times) const
+    {
+        return {paths, pattern, map, grid, texels, samples, times, progress, stage, rays};
     }
 };
 

@@ -167,30 +167,6 @@ TEST(ChannelsS10, ManyOverflowingLightsShareOneWarning)
     }
 }
 
-/// Coloured glass is named beside mixed lights, whose masks are grey; grey glass and baked lights are not.
-TEST(ChannelsS10, GlassWhoseColorMasksLackIsNamedS35)
-{
-    const auto warningsOf = [](vec3 color, LightMode mode) {
-        Scene scene;
-        const int glass = addMaterial(scene, color);
-        scene.materials.back().name = "pane";
-        scene.materials.back().transmission = 1.0f;
-        addRectangle(scene, {}, glass, kPage);
-        scene.lights.push_back(pointAt("lamp", vec3(0, 1, 0), 5.0f));
-        scene.lights.back().mode = mode;
-        assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
-        BakeReport report;
-        reportLights(scene, report);
-        return report.warnings;
-    };
-    const std::vector<std::string> warnings = warningsOf(vec3(0.9f, 0.2f, 0.1f), LightMode::Mixed);
-    ASSERT_EQ(warnings.size(), 1u);
-    EXPECT_NE(warnings[0].find("\"pane\""), std::string::npos) << warnings[0];
-    EXPECT_NE(warnings[0].find("\"lamp\""), std::string::npos) << warnings[0];
-    EXPECT_TRUE(warningsOf(vec3(0.5f), LightMode::Mixed).empty());
-    EXPECT_TRUE(warningsOf(vec3(0.9f, 0.2f, 0.1f), LightMode::Baked).empty());
-}
-
 /// The overflowing light's direct light is in the lightmap: nothing is dropped.
 TEST(ChannelsS10, OverflowIsRightInTheLightmap)
 {

@@ -143,6 +143,8 @@ class BakeLight(Record):
     mask_encoding: Literal["attenuation", "distance"]
     # Why bakedAs differs from mode; empty where it does not.
     reason: str
+    # Its mask has a colour: R, G and B of a layer, of which channel is the first. Absent where it has none.
+    colored_mask: Optional[bool] = None
 
 
 @dataclass(frozen=True, eq=False)

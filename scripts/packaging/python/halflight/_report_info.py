@@ -65,6 +65,8 @@ class InfoLight(Record):
     baked_as: Optional[Literal["realtime", "mixed", "baked"]] = None
     # Its shadowmask channel, -1 none.
     channel: Optional[int] = None
+    # Its mask has a colour: R, G and B of a layer, of which channel is the first. Absent where it has none.
+    colored_mask: Optional[bool] = None
     # Why bakedAs differs from mode.
     reason: Optional[str] = None
 

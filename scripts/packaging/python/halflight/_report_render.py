@@ -51,6 +51,8 @@ class RenderLight(Record):
     # Whether baked attenuation B from mask or probes is mixed into its shadow.
     baked_shadow: RenderBakedShadow
     realtime_shadow: RenderRealtimeShadow
+    # Its mask has a colour: R, G and B of a layer, of which channel is the first. Absent where it has none.
+    colored_mask: Optional[bool] = None
     # Why it is not in the frame.
     reason: Optional[str] = None
 

@@ -122,6 +122,7 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
             return invalid(path + "/baking/occlusionMaskChannel", "is not -1 to " + std::to_string(kLast));
         output.occlusionMaskChannel = channel.get<int>();
     }
+    output.coloredMask = member(baking, "coloredMask") == true;
     output.reason = stringOf(baking, "reason");
     if (const Json& group = member(baking, "group"); group.is_number_unsigned()) {
         output.group = group.get<int>();

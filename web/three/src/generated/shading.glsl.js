@@ -60,12 +60,26 @@ float hlMixShadows(int mode, bool hasBaked, float baked, bool hasRealtime, float
 {
     return hlApplyShadowStrength(hlMixShadowsFullStrength(mode, hasBaked, baked, hasRealtime, realtime, fade), strength);
 }
+vec3 hlMixShadowsByColor(int mode, bool hasBaked, vec3 baked, bool hasRealtime, float realtime, float fade,
+                             float strength)
+{
+    return vec3(hlMixShadows(mode, hasBaked, baked.x, hasRealtime, realtime, fade, strength),
+                hlMixShadows(mode, hasBaked, baked.y, hasRealtime, realtime, fade, strength),
+                hlMixShadows(mode, hasBaked, baked.z, hasRealtime, realtime, fade, strength));
+}
 vec3 hlSubtractiveIrradiance(vec3 lightmap, vec3 mainIrradiance, float baked, float faded, vec3 shadowColor,
                                  float strength)
 {
     vec3 guess = mainIrradiance * (baked - min(baked, faded));
     vec3 shadowed = max(lightmap - guess, shadowColor);
     return min(lightmap, mix(lightmap, shadowed, strength));
+}
+vec3 hlSubtractiveIrradianceByColor(vec3 lightmap, vec3 mainIrradiance, vec3 baked, float faded, vec3 shadowColor,
+                                        float strength)
+{
+    return vec3(hlSubtractiveIrradiance(lightmap, mainIrradiance, baked.x, faded, shadowColor, strength).x,
+                hlSubtractiveIrradiance(lightmap, mainIrradiance, baked.y, faded, shadowColor, strength).y,
+                hlSubtractiveIrradiance(lightmap, mainIrradiance, baked.z, faded, shadowColor, strength).z);
 }
 bool hlStaticCastersInShadowMap(int mode, bool hasBaked)
 {

@@ -107,6 +107,12 @@ export const hlMixShadows = /*@__PURE__*/ Fn( ( [ mode, hasBaked, baked, hasReal
 
 }, { mode: 'int', hasBaked: 'bool', baked: 'float', hasRealtime: 'bool', realtime: 'float', fade: 'float', strength: 'float', return: 'float' } );
 
+export const hlMixShadowsByColor = /*@__PURE__*/ Fn( ( [ mode, hasBaked, baked, hasRealtime, realtime, fade, strength ] ) => {
+
+	return vec3( hlMixShadows( mode, hasBaked, baked.x, hasRealtime, realtime, fade, strength ), hlMixShadows( mode, hasBaked, baked.y, hasRealtime, realtime, fade, strength ), hlMixShadows( mode, hasBaked, baked.z, hasRealtime, realtime, fade, strength ) );
+
+}, { mode: 'int', hasBaked: 'bool', baked: 'vec3', hasRealtime: 'bool', realtime: 'float', fade: 'float', strength: 'float', return: 'vec3' } );
+
 export const hlSubtractiveIrradiance = /*@__PURE__*/ Fn( ( [ lightmap, mainIrradiance, baked, faded, shadowColor, strength ] ) => {
 
 	const guess = mainIrradiance.mul( baked.sub( min( baked, faded ) ) );
@@ -115,6 +121,12 @@ export const hlSubtractiveIrradiance = /*@__PURE__*/ Fn( ( [ lightmap, mainIrrad
 	return min( lightmap, mix( lightmap, shadowed, strength ) );
 
 }, { lightmap: 'vec3', mainIrradiance: 'vec3', baked: 'float', faded: 'float', shadowColor: 'vec3', strength: 'float', return: 'vec3' } );
+
+export const hlSubtractiveIrradianceByColor = /*@__PURE__*/ Fn( ( [ lightmap, mainIrradiance, baked, faded, shadowColor, strength ] ) => {
+
+	return vec3( hlSubtractiveIrradiance( lightmap, mainIrradiance, baked.x, faded, shadowColor, strength ).x, hlSubtractiveIrradiance( lightmap, mainIrradiance, baked.y, faded, shadowColor, strength ).y, hlSubtractiveIrradiance( lightmap, mainIrradiance, baked.z, faded, shadowColor, strength ).z );
+
+}, { lightmap: 'vec3', mainIrradiance: 'vec3', baked: 'vec3', faded: 'float', shadowColor: 'vec3', strength: 'float', return: 'vec3' } );
 
 export const hlStaticCastersInShadowMap = /*@__PURE__*/ Fn( ( [ mode, hasBaked ] ) => {
 
