@@ -21,6 +21,8 @@ export interface LightData {
     bakeType: 'realtime' | 'mixed' | 'baked';
     /** -1 none */
     channel: number;
+    /** Its mask has a colour: three channels, of which `channel` is the first. */
+    coloredMask: boolean;
     reason: string;
     worldFromLight: number[];
     reach: number;

@@ -123,8 +123,13 @@ function checkLayers(json, root) {
     const count = 4 * (layers ?? 1);
     if (channels !== undefined && channels.length !== count) throw invalid(`${BAKE}/shadowmaskChannels`, `is not an array of ${count}`);
     (json.nodes ?? []).forEach((node, i) => {
-        const channel = node.extensions?.HALFLIGHT_light?.baking?.occlusionMaskChannel;
+        const { occlusionMaskChannel: channel, coloredMask } = node.extensions?.HALFLIGHT_light?.baking ?? {};
         if (channel >= count) throw invalid(`/nodes/${i}/extensions/HALFLIGHT_light/baking/occlusionMaskChannel`, 'is of a mask layer that the file lacks');
+        if (!coloredMask) return;
+        const refuse = (why) => invalid(BAKE, `light "${node.name ?? i}" has a coloured mask, and ${why}`);
+        if (root.version < 3) throw refuse('the version has none');
+        if (!(channel >= 0) || channel % 4 !== 0) throw refuse('its channel is not the first of a mask layer');
+        if (channels?.slice(channel, channel + 3).some(({ encoding }) => encoding === 'distance')) throw refuse('shadowmaskChannels says that it holds distances');
     });
 }
 

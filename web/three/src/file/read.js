@@ -50,6 +50,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {boolean} isBaked
  * @property {'realtime' | 'mixed' | 'baked'} bakeType
  * @property {number} channel
+ * @property {boolean} coloredMask its mask has a colour: three channels, of which `channel` is the first
  * @property {string} reason
  * @property {number[]} worldFromLight
  * @property {number} reach
@@ -300,6 +301,7 @@ function lightData(e) {
         isBaked: b !== undefined,
         bakeType: b?.bakeType ?? 'realtime',
         channel: b?.occlusionMaskChannel ?? -1,
+        coloredMask: b?.coloredMask ?? false,
         reason: b?.reason ?? '',
         worldFromLight: b?.worldFromLight ?? [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],
         reach: b?.reach ?? 0,

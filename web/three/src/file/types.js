@@ -39,6 +39,7 @@ export const bakeTypes = [
     ['nodes/*/extensions/HALFLIGHT_light/baking/bakeType', 'Text'],
     ['nodes/*/extensions/HALFLIGHT_light/baking/mixedLightingMode', 'Text'],
     ['nodes/*/extensions/HALFLIGHT_light/baking/occlusionMaskChannel', 'Signed'],
+    ['nodes/*/extensions/HALFLIGHT_light/baking/coloredMask', 'Flag'],
     ['nodes/*/extensions/HALFLIGHT_light/baking/reason', 'Text'],
     ['nodes/*/extensions/HALFLIGHT_light/baking/group', 'Index'],
     ['nodes/*/extensions/HALFLIGHT_light/baking/white', 'Numbers', 3],

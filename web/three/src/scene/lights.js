@@ -10,12 +10,16 @@ export const SKIP_LIGHTMAPPED = 1;
 export const SKIP_OTHERS = 2;
 export const MAIN_LIGHT = 4;
 export const OVERLAPS = 8;
+export const COLORED_MASK = 16;
+
+/** Whether a light's mask has a colour. @param {import('../file/read.js').BakedData} data */
+export const hasColoredMasks = (data) => [...data.lights.values()].some((light) => light.coloredMask);
 
 /** Relative change from which on a light counts as another than that of its bake. */
 export const CHANGED = 1e-3;
 
 const unbaked = {
-    castShadows: true, shadowStrength: 1, shadowBias: {}, isBaked: false, bakeType: 'realtime', channel: -1, reason: '',
+    castShadows: true, shadowStrength: 1, shadowBias: {}, isBaked: false, bakeType: 'realtime', channel: -1, coloredMask: false, reason: '',
     worldFromLight: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], reach: 0, outerCone: Math.PI / 2, group: -1, white: [0, 0, 0],
 };
 
@@ -136,7 +140,7 @@ export class BakedLight {
             staticCasters: staticCastersInShadowMap(number, hasBaked || inLightmap),
             flags:
                 (inLightmap ? SKIP_LIGHTMAPPED : 0) | (fullyBaked ? SKIP_LIGHTMAPPED | SKIP_OTHERS : 0) | (subtractive && isMainLight ? MAIN_LIGHT : 0) |
-                (hasBaked || overflowed ? OVERLAPS : 0),
+                (hasBaked || overflowed ? OVERLAPS : 0) | (hasBaked && this.data.coloredMask ? COLORED_MASK : 0),
             drawn: !fullyBaked || (overflowed && view === 'overlap'),
             casts: casts && !fullyBaked,
         };

@@ -3,6 +3,7 @@ import { Matrix3, Vector2, Vector3, Vector4 } from 'three';
 
 import { makeComposer } from '../groups/composer.js';
 import { kLightDisk, kLightRectangle } from '../generated/shading.js';
+import { hasColoredMasks } from '../scene/lights.js';
 import { MODES, VIEWS } from '../scene/modes.js';
 import { makeSky } from '../scene/sky.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
@@ -71,6 +72,7 @@ export class WebGLBackend {
             this.uniforms.hlVolumes = { value: volumes.texture };
         }
         this.ownSamplers = 1 + features.length;
+        if (hasColoredMasks(data)) features.push('HL_COLORED_MASKS');
         this.uniforms.hlAreaLights = { value: [] };
         this.patches = new MaterialPatches(this.uniforms, [`HL_MASK_LAYERS ${data.maskLayers}`, ...features], scene.options.brdf === 'three', (...drawn) => scene.rowOf(...drawn));
     }

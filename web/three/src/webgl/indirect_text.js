@@ -15,8 +15,13 @@ vec3 hlSubtract(vec3 lightmap)
 {
     if (hlMode != hlModeSubtractive || hlMainFlags.z < 0.5 || !hlSurface.receive) return lightmap;
     float faded = hlMixShadowsFullStrength(hlMode, false, 1.0, hlMainHasRealtime, hlMainRealtime, hlSurface.fade);
+#ifdef HL_COLORED_MASKS
+    vec3 baked = hlMainFlags.x >= 0.0 ? hlBakedByColor(hlMainFlags) : vec3(1.0);
+    return hlSubtractiveIrradianceByColor(lightmap, hlMainIrradiance, baked, faded, hlShadowColor, hlMainFlags.w);
+#else
     float baked = hlMainFlags.x >= 0.0 ? hlBakedOf(int(hlMainFlags.x)) : 1.0;
     return hlSubtractiveIrradiance(lightmap, hlMainIrradiance, baked, faded, hlShadowColor, hlMainFlags.w);
+#endif
 }
 
 float hlLightmapScale(vec3 normal)

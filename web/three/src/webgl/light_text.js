@@ -16,12 +16,26 @@ bool hlReads(HlLight light, bool visible)
     return visible && wanted && hlSurface.receive && hlReadsShadowMap(light.flags.y > 0.5, hlSurface.fade);
 }
 
-float hlBakedAttenuation(HlLight light)
+// B of a light where its mask says "baked".
+float hlWithinReach(HlLight light, float baked)
 {
     vec3 fromLight = vHlPosition - light.reach.xyz;
     float distanceMeters = max(length(fromLight), 1.0e-6);
     float cosAngle = dot(fromLight, light.cone.xyz) / distanceMeters;
-    return hlBakedWithinReach(hlBakedOf(int(light.flags.x)), distanceMeters, light.reach.w, cosAngle, light.cone.w);
+    return hlBakedWithinReach(baked, distanceMeters, light.reach.w, cosAngle, light.cone.w);
+}
+
+// What shadows leave of the light, by colour.
+vec3 hlAttenuation(HlLight light, bool hasRealtime, float realtime)
+{
+    bool hasBaked = light.flags.x >= 0.0;
+#ifdef HL_COLORED_MASKS
+    vec3 baked = hasBaked ? max(hlBakedByColor(light.flags), vec3(hlWithinReach(light, 0.0))) : vec3(1.0);
+    return hlMixShadowsByColor(hlMode, hasBaked, baked, hasRealtime, realtime, hlSurface.fade, light.flags.w);
+#else
+    float baked = hasBaked ? hlWithinReach(light, hlBakedOf(int(light.flags.x))) : 1.0;
+    return vec3(hlMixShadows(hlMode, hasBaked, baked, hasRealtime, realtime, hlSurface.fade, light.flags.w));
+#endif
 }
 
 #ifdef HL_AREA_LIGHTS
@@ -49,9 +63,7 @@ vec3 hlAreaLight(HlAreaLight area)
     vec3 reflected = hlReflectAreaLight(hlSurface.baseColor, hlSurface.metallic, hlSurface.roughness, hlSurface.specular, hlSurface.normal,
                                         hlSurface.view, area.type, toCenter, halfX, halfY, radiance);
     if (!hlSurface.receive) return reflected;
-    bool hasBaked = area.light.flags.x >= 0.0;
-    float baked = hasBaked ? hlBakedAttenuation(area.light) : 1.0;
-    return reflected * hlMixShadows(hlMode, hasBaked, baked, false, 1.0, hlSurface.fade, area.light.flags.w);
+    return reflected * hlAttenuation(area.light, false, 1.0);
 }
 #endif
 
@@ -72,9 +84,7 @@ void hlShade(HlLight light, float realtime, inout IncidentLight incoming)
         return;
     }
     if (!hlSurface.receive) return;
-    bool hasBaked = light.flags.x >= 0.0;
-    float baked = hasBaked ? hlBakedAttenuation(light) : 1.0;
-    incoming.color *= hlMixShadows(hlMode, hasBaked, baked, hasRealtime, realtime, hlSurface.fade, light.flags.w);
+    incoming.color *= hlAttenuation(light, hasRealtime, realtime);
 }
 
 void hlDirect(IncidentLight incoming, vec3 position, vec3 normal, vec3 viewDirection, vec3 clearcoatNormal,

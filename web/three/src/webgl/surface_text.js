@@ -28,7 +28,8 @@ varying vec3 vHlPosition;
 ${table}
 struct HlLight {
     vec4 flags; // x channel whose baked shadow is read, -1 none; y 1 = has a shadow map; z bits: 1 not on lightmapped
-                // receivers, 2 not on others, 4 subtractive's main light, 8 counts in the overlap view; w shadow strength
+                // receivers, 2 not on others, 4 subtractive's main light, 8 counts in the overlap view,
+                // 16 B has a colour; w shadow strength
     vec4 reach; // xyz where it was baked; w metres for which its channel holds, 0 = all
     vec4 cone;  // xyz its axis at the bake; w cosine of the cone for which its channel holds, -2 = all
     vec2 own;   // x row of the file or clone that it belongs to, -1 none; y scale of that
@@ -101,6 +102,13 @@ float hlBakedOf(int channel)
 #else
     return hlSurface.baked[0][channel];
 #endif
+}
+
+// B by colour of a light with these flags; all alike where its mask is grey.
+vec3 hlBakedByColor(vec4 flags)
+{
+    int channel = int(flags.x);
+    return (int(flags.z) & 16) != 0 ? hlSurface.baked[channel / 4].rgb : vec3(hlBakedOf(channel));
 }
 
 // From view space.

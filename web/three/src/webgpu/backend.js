@@ -4,6 +4,7 @@ import { context, emissive, float, positionLocal, renderGroup, select, uniform, 
 
 import { makeComposer } from '../groups/composer.js';
 import { kLightDisk, kLightRectangle } from '../generated/shading.js';
+import { hasColoredMasks } from '../scene/lights.js';
 import { MODES, VIEWS } from '../scene/modes.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
@@ -73,6 +74,7 @@ export class WebGPUBackend {
             skyTurn: shared(new Vector4(...(data.sky.picture ? skyTurn(data.sky.picture) : [1, 0, 0, 0]))),
             skyFromWorld: shared(new Matrix3()),
             maskLayers: data.maskLayers,
+            coloredMasks: hasColoredMasks(data),
             maskRange: channels('rangeTexels'),
             maskPenumbra: channels('penumbraTexels'),
         };

@@ -125,6 +125,13 @@ export class SceneNodes {
         return s.baked.reduceRight((rest, _, layer) => (rest ? select(channel.lessThan(4 * layer + 4), ofLayer(layer), rest) : ofLayer(layer)), null);
     }
 
+    /** B by colour of a light; all alike where its mask is grey. @param {any} light uniforms of one light */
+    bakedByColor(s, light) {
+        const channel = int(light.flags.x.max(0));
+        const layer = s.baked.reduceRight((rest, own, k) => (rest ? select(channel.lessThan(4 * k + 4), own, rest) : own), null);
+        return select(light.flags.z.toInt().bitAnd(16).greaterThan(0), layer.rgb, vec3(this.bakedOf(s, channel)));
+    }
+
     /** Irradiance from the object's probes. */
     probeIrradiance(s, n) {
         const weight = (i) => hl.hlShIrradianceWeight(int(i), n);
@@ -144,13 +151,12 @@ export class SceneNodes {
         return sum.max(0);
     }
 
-    /** B of a light, within the reach that it had at its bake. @param {any} light uniforms of one light */
-    baked(s, light) {
+    /** B of a light where its mask says `baked`. @param {any} light uniforms of one light @param {any} baked a node */
+    withinReach(s, light, baked) {
         const fromLight = s.position.sub(light.reach.xyz);
         const distance = fromLight.length().max(1e-6);
         const cosAngle = fromLight.dot(light.cone.xyz).div(distance);
-        const channel = int(light.flags.x.max(0));
-        return hl.hlBakedWithinReach(this.bakedOf(s, channel), distance, light.reach.w, cosAngle, light.cone.w);
+        return hl.hlBakedWithinReach(baked, distance, light.reach.w, cosAngle, light.cone.w);
     }
 
     /** Irradiance on a surface that faces the light, without shadow, and its direction. */
@@ -171,7 +177,12 @@ export class SceneNodes {
         if (!s.receive) return float(1);
         const hasBaked = light.flags.x.greaterThanEqual(0);
         const has = hasMap ? light.flags.y.greaterThan(0.5) : float(0).greaterThan(0.5);
-        return hl.hlMixShadows(this.u.mode, hasBaked, this.baked(s, light), has, realtime, s.fade, light.flags.w);
+        if (this.u.coloredMasks) {
+            const byColor = this.bakedByColor(s, light).max(vec3(this.withinReach(s, light, float(0))));
+            return hl.hlMixShadowsByColor(this.u.mode, hasBaked, byColor, has, realtime, s.fade, light.flags.w);
+        }
+        const baked = this.withinReach(s, light, this.bakedOf(s, int(light.flags.x.max(0))));
+        return hl.hlMixShadows(this.u.mode, hasBaked, baked, has, realtime, s.fade, light.flags.w);
     }
 
     /** An area light, without a shadow map: whether its light reaches the fragment, and radiance towards the camera. */
@@ -208,8 +219,11 @@ export class SceneNodes {
         const irradiance = light.color.mul(s.vertexNormal.dot(s.toBake(light.axis.negate()).normalize()).clamp());
         const has = hasMap ? light.flags.y.greaterThan(0.5) : float(0).greaterThan(0.5);
         const faded = hl.hlMixShadowsFullStrength(this.u.mode, float(0).greaterThan(0.5), float(1), has, realtime, s.fade);
-        const baked = select(light.flags.x.greaterThanEqual(0), this.bakedOf(s, int(light.flags.x.max(0))), float(1));
-        const result = hl.hlSubtractiveIrradiance(lightmap, irradiance, baked, faded, this.u.shadowColor, light.flags.w);
+        const hasBaked = light.flags.x.greaterThanEqual(0);
+        const rest = [faded, this.u.shadowColor, light.flags.w];
+        const result = this.u.coloredMasks
+            ? hl.hlSubtractiveIrradianceByColor(lightmap, irradiance, select(hasBaked, this.bakedByColor(s, light), vec3(1)), ...rest)
+            : hl.hlSubtractiveIrradiance(lightmap, irradiance, select(hasBaked, this.bakedOf(s, int(light.flags.x.max(0))), float(1)), ...rest);
         return select(this.u.mode.equal(SUBTRACTIVE).and(int(light.flags.z).bitAnd(4).greaterThan(0)), result, lightmap);
     }
 
