@@ -176,6 +176,8 @@ public:
     /// S33. Where all lights of a light group then have their colour times intensity at the weight 1 times one factor
     /// by channel, to 1/10,000, that factor is the group's new weight: bounced light, baked lights and emission follow.
     /// A light that is a group by itself always sets it. Otherwise only the light's direct light changes.
+    ///
+    /// S34. The groups of a light that turns (turning_lights.h) have the weights of its direction and its light.
     Status setLight(int light, const Light& changed);
 
     /// S33. The weight of a light group, by channel, 0 to kMostGroupWeight: what its light at the weight 1 is
@@ -183,9 +185,10 @@ public:
     /// whatever setLight() made of them; emission, lightmap, probes, reflection probes and the drawn sky follow in the
     /// next frame. That one has a pass "compose" more, which adds up the lightmap's pages. FramePlan::warnings names
     /// groups with so little light in reflection probes that they keep it there. "sky" sets all parts of a sky that
-    /// changes. InvalidArgument names a group that the scene lacks, or a weight that cannot be.
+    /// changes, the name of a light that turns its directions. InvalidArgument names a group that the scene lacks, a
+    /// single direction, or a weight that cannot be.
     Status setLightGroup(const std::string& name, vec3 weight);
-    /// The groups of the loaded scene with their weights now, in the file's order.
+    /// The groups of the loaded scene with their weights now, in the file's order; a light that turns is one.
     [[nodiscard]] std::vector<GroupWeight> lightGroups() const;
 
     /// A dynamic object takes the probe light of its new place. A static one keeps its lightmap.
