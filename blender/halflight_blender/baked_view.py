@@ -211,7 +211,8 @@ def add_switches(view, lights):
     for light in lights:
         item = view.halflight_lights.add()
         item.name = light["name"]
-        item.shadow = ("mask " + "RGBA"[light["channel"]]) if light["channel"] >= 0 else "none"
+        channels = "".join("RGBA"[channel] for channel in view_lights.mask_channels(light))
+        item.shadow = "mask " + channels if channels else "none"
 
 
 # -- meshes ----------------------------------------------------------------------------------------------------------

@@ -211,6 +211,27 @@ def check_glass(extension):
         compare(extension, f"glass {name}", name)
 
 
+def check_colored_masks(extension):
+    """Behind coloured glass a light's mask has a colour: the floor has each channel's share of the sun."""
+    scene = stage.empty(sun=False)
+    sun = {"name": "sun", "type": "directional", "color": [1.0, 1.0, 1.0], "group": -1, "axis": [0, 0, -1], "corners": None}
+    sun |= {"strength": 1.0, "channel": 0, "colored": True, "reach": 0.0}
+    material = bpy.data.materials.new("Lit")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    light, shader, output = (tree.nodes.new("ShaderNode" + kind) for kind in ("Group", "Emission", "OutputMaterial"))
+    light.node_tree = extension.view.view_lights.make_group([sun], None, None)
+    mask = (0.2, 0.5, 0.9)
+    light.inputs["Mask"].default_value, light.inputs["Alpha"].default_value = (*mask, 1), 1.0
+    tree.links.new(light.outputs["Irradiance"], shader.inputs["Color"])
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    floor = scene.objects["Floor"]
+    floor.data.materials[0] = material
+    seen = np.median(stage.picture(scene, "colored_masks")[stage.region(scene, "Floor")])
+    expect(abs(seen - np.dot((0.2126, 0.7152, 0.0722), mask)) < 0.005, f"coloured mask: luminance {seen}")
+
+
 def add_ball(name, location, surface):
     bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12, radius=0.35, location=location)
     ball = bpy.context.object
@@ -279,4 +300,4 @@ def check_renamed(extension):
 
 
 CHECKS = (check_what_renders, check_materials, check_lamps, check_shapes, check_sheets, check_flat)
-stage.run(*CHECKS, check_glass, check_moving, check_renamed)
+stage.run(*CHECKS, check_glass, check_colored_masks, check_moving, check_renamed)

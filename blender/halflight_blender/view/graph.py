@@ -55,6 +55,13 @@ class Graph:
         self.put(node.inputs[0], color)
         return node.outputs
 
+    def combined(self, numbers):
+        """A vector of three numbers."""
+        node = self.node("ShaderNodeCombineXYZ")
+        for socket, number in zip(node.inputs, numbers):
+            self.put(socket, number)
+        return node.outputs["Vector"]
+
     def picture(self, image, uv, extension="REPEAT", interpolation="Linear"):
         node = self.node("ShaderNodeTexImage", image=image, extension=extension, interpolation=interpolation)
         self.put(node.inputs["Vector"], uv)

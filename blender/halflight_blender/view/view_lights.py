@@ -51,6 +51,7 @@ def shining_lights(document, bindings):
                 "cone": cone_of(light),
                 "strength": record.get("shadowStrength", 1.0),
                 "channel": baking.get("occlusionMaskChannel", -1),
+                "colored": baking.get("coloredMask", False),
                 "reach": baking.get("reach", 0.0),
             }
         )
@@ -92,15 +93,24 @@ def make_group(lights, encodings, groups):
     total = (0.0, 0.0, 0.0)
     for light in lights:
         factor, distance = unshadowed(g, light, geometry, edge)
-        if light["channel"] >= 0:
-            factor = g.scalar("MULTIPLY", factor, shadow(g, light, masks[light["channel"]], distance))
         factor = g.scalar("MULTIPLY", factor, g.value(switch_name(light["name"]), 1.0))
         color = light["color"]  # at the weight 1 of its group
         if light["group"] >= 0:
             color = g.vector("MULTIPLY", groups.weight(g, groups.records[light["group"]]["name"]), color)
+        arriving = [shadow(g, light, masks[channel], distance) for channel in mask_channels(light)]
+        if light["colored"]:
+            color = g.vector("MULTIPLY", color, g.combined(arriving))
+        elif arriving:
+            factor = g.scalar("MULTIPLY", factor, arriving[0])
         total = g.vector("ADD", total, g.scaled(color, factor))
     g.put(g.node("NodeGroupOutput").inputs["Irradiance"], total)
     return tree
+
+
+def mask_channels(light):
+    """Behind coloured glass those of red, green and blue; else one, or none."""
+    first = light["channel"]
+    return range(first, first + (3 if light["colored"] else 1)) if first >= 0 else ()
 
 
 def switch_name(light):
