@@ -86,6 +86,23 @@ TEST(TurningLightsS34, WeightsOfADayAreContinuousAndAddUpToTheDirection)
     }
 }
 
+/// Directions of a day lie on one circle: another noon is no sum of morning and evening.
+TEST(TurningLightsS34, BesideADayTheNearestDirectionsCount)
+{
+    const std::vector<vec3> directions = day(15.0f);
+    for (const float declination : {0.0f, 5.0f, 15.0f, 20.0f})
+        for (float hour = -30.0f; hour <= 30.0f; hour += 2.5f) {
+            const vec3 truth = sunlight(hour, declination, 50.0f);
+            const std::vector<float> weights = weightsOfDirections(directions, truth);
+            for (std::size_t i = 0; i < weights.size(); ++i)
+                if (weights[i] > 1e-4f) {
+                    EXPECT_GT(glm::dot(directions[i], truth), std::cos(glm::radians(32.0f)))
+                        << declination << " " << hour;
+                }
+            EXPECT_NEAR(std::accumulate(weights.begin(), weights.end(), 0.0f), 1.0f, 0.03f);
+        }
+}
+
 /// Of directions all around the zenith.
 TEST(TurningLightsS34, AnyDirectionBetweenOthersIsTheirSum)
 {
@@ -102,7 +119,7 @@ TEST(TurningLightsS34, AnyDirectionBetweenOthersIsTheirSum)
         const vec3 near = glm::normalize(truth + 1.0e-4f * vec3(uniform(random), 0, uniform(random)));
         const std::vector<float> weights = weightsOfDirections(directions, truth);
         EXPECT_GE(*std::ranges::min_element(weights), 0.0f);
-        EXPECT_LT(glm::distance(blend(directions, weights), truth), 0.006f);
+        EXPECT_LT(glm::distance(blend(directions, weights), truth), 0.012f);
         EXPECT_NEAR(std::accumulate(weights.begin(), weights.end(), 0.0f), 1.0f, 0.04f);
         EXPECT_LT(largestChange(weights, weightsOfDirections(directions, near)), 0.003f) << "continuous";
     }
@@ -115,8 +132,8 @@ TEST(TurningLightsS34, BeyondAllDirectionsLightFadesByTheCosineAndIsNeverNothing
         return weightsOfDirections(directions,
                                    vec3(-std::sin(glm::radians(degrees)), -std::cos(glm::radians(degrees)), 0));
     };
-    EXPECT_NEAR(at(30.0f)[0], std::cos(glm::radians(30.0f)), 0.01f);
-    EXPECT_NEAR(at(60.0f)[0], 0.5f, 0.01f);
+    EXPECT_NEAR(at(30.0f)[0], std::cos(glm::radians(30.0f)), 0.02f);
+    EXPECT_NEAR(at(60.0f)[0], 0.5f, 0.06f);
     EXPECT_EQ(at(60.0f)[1], 0.0f);
     for (const float degrees : {90.0f, 120.0f, 180.0f}) {
         EXPECT_GT(at(degrees)[0] + at(degrees)[1], 0.0f) << "the weights say the light's colour";

@@ -28,11 +28,10 @@ inline bool turns(const Light& light)
 /// The weights, by direction, of what is baked for light along each of `directions`, so that it is that of light along
 /// `direction`: at least 0, at most three above it. Irradiance of a plane is linear in the direction while it is lit,
 /// so they minimize
-///     |sum w_i d_i - d|^2 / 2 + sum l w_i,   w_i >= 0
-/// and are divided by 1 - l, so that a direction of the bake has the weight 1 alone. The small l prefers the nearest
-/// directions: the least sum of weights, which is the facet of the directions' convex hull that d meets. So the weights
-/// are continuous in d. Beyond all directions they are the cosine to the nearest ones, and never all 0. All vectors are
-/// of length 1.
+///     |sum w_i d_i - d|^2 / 2 + sum w_i |d_i - d|^2 / 50,   w_i >= 0
+/// so that a direction of the bake has the weight 1 alone. The second term prefers the nearest directions. The weights
+/// are continuous in d. Beyond all directions they are about the cosine to the nearest one, and never all 0. All
+/// vectors are of length 1.
 std::vector<float> weightsOfDirections(std::span<const vec3> directions, vec3 direction);
 
 /// The name of the light group of direction `index`, for a light's name.

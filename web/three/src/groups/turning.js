@@ -2,22 +2,21 @@
 import { Matrix4, Vector3 } from 'three';
 
 /** As in src/scene/model/turning_lights.cpp, which says what they are. */
-const COST = 0.01;
-const TIE_COST = 1e-9;
+const COST = 0.02;
 const LEAST_WEIGHT = 1e-6;
 const SINGULAR = 1e-9;
 
 /** From here on the weights say that a light was turned, radians. */
 const TURNED = 1e-5;
 
-const costOf = (direction) => COST + TIE_COST * direction * direction;
+const costOf = (direction, target) => COST * direction.reduce((sum, x, c) => sum + (x - target[c]) ** 2, 0);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const determinant = ([a, b, c]) => a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 
 /** The minimum over the weights of some directions, of either sign; null where they are not independent. */
 function stationary(directions, chosen, target) {
     const gram = [0, 1, 2].map((i) => [0, 1, 2].map((j) => (i < chosen.length && j < chosen.length ? dot(directions[chosen[i]], directions[chosen[j]]) : Number(i === j))));
-    const right = [0, 1, 2].map((i) => (i < chosen.length ? dot(directions[chosen[i]], target) - costOf(chosen[i]) : 0));
+    const right = [0, 1, 2].map((i) => (i < chosen.length ? dot(directions[chosen[i]], target) - costOf(directions[chosen[i]], target) : 0));
     const whole = determinant(gram);
     if (Math.abs(whole) < SINGULAR) return null;
     return chosen.map((_, i) => determinant(gram.map((row, r) => row.map((x, c) => (c === i ? right[r] : x)))) / whole);
@@ -25,7 +24,7 @@ function stationary(directions, chosen, target) {
 
 function objective(directions, chosen, weights, target) {
     const off = [0, 1, 2].map((c) => chosen.reduce((sum, d, i) => sum + weights[i] * directions[d][c], -target[c]));
-    return 0.5 * dot(off, off) + chosen.reduce((sum, d, i) => sum + costOf(d) * weights[i], 0);
+    return 0.5 * dot(off, off) + chosen.reduce((sum, d, i) => sum + costOf(directions[d], target) * weights[i], 0);
 }
 
 /** Sets of one to three of `count` numbers, ascending. */
@@ -50,7 +49,7 @@ export function weightsOfDirections(directions, target) {
         if (value < best.value) best = { value, chosen, weights };
     }
     const all = directions.map(() => 0);
-    best.chosen.forEach((d, i) => (all[d] = best.weights[i] / (1 - costOf(d))));
+    best.chosen.forEach((d, i) => (all[d] = best.weights[i]));
     const nearest = directions.reduce((least, d, i) => (dot(d, target) > dot(directions[least], target) ? i : least), 0);
     all[nearest] = Math.max(all[nearest], LEAST_WEIGHT);
     return all;
