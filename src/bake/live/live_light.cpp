@@ -17,7 +17,7 @@ namespace halflight {
 namespace {
 
 /// Texels along a side of the squares that first light has a sample in; more where that makes more than kMostSquares.
-constexpr int kSide = 2;
+constexpr int kSquareSide = 2;
 constexpr std::size_t kMostSquares = 8192;
 /// Paths of a sample: with its neighbours' about 64, whose noise does not hide the light.
 constexpr int kPaths = 16;
@@ -143,7 +143,7 @@ Status LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached,
     progress("first light", 0.0);
     const TexelMap& map = cached.map;
     const Progress quiet{{}, progress.cancel};
-    int side = kSide;
+    int side = kSquareSide;
     while (map.texels.size() / std::size_t(side * side) > kMostSquares) side *= 2;
     const std::vector<uint32_t> texels = sampleTexels(map, side);
     BakedScene light = scene;
