@@ -13,6 +13,17 @@
 namespace halflight::test::session_groups_test {
 namespace {
 
+/// Of the lightmap.
+vec3 meanLight(const BakedScene& shown)
+{
+    vec3 sum(0.0f);
+    for (const Image<uint32_t>& page : shown.lightmaps) {
+        const ImageRgb32f lux = decodeRgb9e5(page, shown.lightmapUnitLux);
+        for (const vec3 light : lux.texels()) sum += light;
+    }
+    return sum;
+}
+
 /// Groups are baked in white. What is shown meanwhile has the scene's own light, and the bytes are those of bake().
 TEST(BakeSession, ShowsGroupsInTheirOwnLightS33)
 {
@@ -49,6 +60,12 @@ TEST(BakeSession, ShowsGroupsInTheirOwnLightS33)
         ASSERT_EQ(state.scene.lights.size(), grouped.lights.size());
         EXPECT_EQ(state.scene.lights[0].color, sun.color);
         EXPECT_EQ(state.scene.lights[0].direction(), sun.direction());
+    }
+    // Texels are shown before they are denoised. In white light there would be three times the green.
+    const vec3 finished = meanLight(states.back());
+    for (const BakedScene& state : states) {
+        const vec3 light = meanLight(state);
+        EXPECT_NEAR(light.g / light.r, finished.g / finished.r, 0.2f * finished.g / finished.r);
     }
     EXPECT_LT(errorOf(states.front(), *baked), 0.35);
     EXPECT_LT(errorOf(states.back(), *baked), 0.02) << "but for padding, and RGB9E5 in another unit";
