@@ -8,8 +8,6 @@ the court's middle is the origin. assets/README.md describes the scene.
 """
 
 import math
-import pathlib
-import sys
 
 from scenekit import gltf, mesh as m, parts, vertices
 from scenekit.materials import materials
@@ -344,23 +342,9 @@ def make():
     materials(doc)
     for build in (shell, colonnade, north_side, garden, furniture, lights, dynamic_objects, cameras):
         build(doc)
-    names = [mesh["name"] for mesh in doc.json["meshes"]]
-    for node in doc.json["nodes"]:
-        scale = LIGHTMAP_SCALE.get(names[node["mesh"]], 1) if "mesh" in node else 1
-        if scale != 1 and node.get("extras", {}).get("halflight_static", 1):
-            node["extras"] = {**node.get("extras", {}), "halflight_lightmap_scale": scale}
+    doc.scale_lightmaps(LIGHTMAP_SCALE)
     return doc
 
 
-def main():
-    default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "courtyard.glb"
-    path = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
-    doc = make()
-    data = doc.glb()
-    path.write_bytes(data)
-    print(f"{path}: {len(data) / 1e6:.2f} MB, {doc.drawn_triangles} triangles drawn ({doc.stored_triangles} stored), "
-          f"{doc.static_count} static and {doc.dynamic_count} dynamic nodes")
-
-
 if __name__ == "__main__":
-    main()
+    gltf.write_showcase("courtyard", make)

@@ -192,6 +192,14 @@ class Document:
     def scene(self, name, extras):
         self.json["scenes"][0].update(name=name, extras=extras)
 
+    def scale_lightmaps(self, scales):
+        """Texels per metre of static nodes that do not say it themselves, by their meshes' names; 1 unless named."""
+        names = [mesh["name"] for mesh in self.json["meshes"]]
+        for node in self.json["nodes"]:
+            scale = scales.get(names[node["mesh"]], 1) if "mesh" in node else 1
+            if scale != 1 and node.get("extras", {}).get("halflight_static", 1):
+                node.setdefault("extras", {}).setdefault("halflight_lightmap_scale", scale)
+
     def glb(self):
         if self.used:
             self.json["extensionsUsed"] = sorted(self.used)
@@ -205,10 +213,25 @@ class Document:
                 struct.pack("<I4s", len(self.binary), b"BIN\0") + bytes(self.binary))
 
 
+def target_of(place):
+    """What the command line names, or assets/PLACE."""
+    default = pathlib.Path(__file__).resolve().parent.parent.parent / "assets" / place
+    return pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
+
+
+def write_showcase(name, make):
+    """Writes a scene to assets/NAME.glb or to the file that the command line names."""
+    path = target_of(name + ".glb")
+    doc = make()
+    data = doc.glb()
+    path.write_bytes(data)
+    print(f"{path}: {len(data) / 1e6:.2f} MB, {doc.drawn_triangles} triangles drawn ({doc.stored_triangles} stored), "
+          f"{doc.static_count} static and {doc.dynamic_count} dynamic nodes")
+
+
 def write_scenes(folder, makers):
     """Writes a file for each maker, named after it, to assets/FOLDER or to the folder that the command line names."""
-    default = pathlib.Path(__file__).resolve().parent.parent.parent / "assets" / folder
-    target = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
+    target = target_of(folder)
     target.mkdir(parents=True, exist_ok=True)
     for make in makers:
         doc = make()
