@@ -121,8 +121,12 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
     if (report.written.file > 0) printBytes(report);
     print("samples    {:.0f} per texel, {} per masked light, at most {} bounces, {} per probe\n",
           report.samplesPerTexel, report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
-    if (options.bake.seconds > 0.0)
-        print("           --samples {} in place of --time gives the same bytes\n", report.quality.samples);
+    if (options.bake.seconds > 0.0) {
+        // By the samples, auto may choose another device.
+        const char* device = report.peakDeviceBytes > 0 ? ", with --device gpu" : ", with --device cpu";
+        print("           --samples {} in place of --time gives the same bytes{}\n", report.quality.samples,
+              options.device.device == "auto" ? device : "");
+    }
     if (report.interpolatedTexels > 0) {
         print("           {} texels are interpolated\n", grouped(report.interpolatedTexels));
     }
