@@ -113,13 +113,28 @@ public:
                     subset_.texels.size());
     }
 
-    /// With the step between traced texels that is the default for the map, and with the other one.
     void measureCache()
     {
-        const int defaultStep = texelStepOf(IntegrationSettings(), prepared_.map);
-        measureCache("cache", 0);
-        const int otherStep = defaultStep == 1 ? 2 : 1;
-        measureCache("step " + std::to_string(otherStep), otherStep);
+        TimeToTarget raw(options_.target);
+        TimeToTarget denoised(options_.target);
+        const int first = options_.samples > 0 ? options_.samples : 2;
+        const int last = options_.samples > 0 ? options_.samples : 512;
+        for (int samples = first; samples <= last && !(raw.reached() && denoised.reached());
+             samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
+            MeanError rawMean;
+            MeanError denoisedMean;
+            bakeWithCache(samples, rawMean, denoisedMean);
+            const LightError before = errorOf(rawMean);
+            const LightError after = errorOf(denoisedMean);
+            std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", "cache", samples,
+                        rawMean.cpu(), rawMean.rays() * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias,
+                        denoisedMean.cpu(), 100.0 * after.rmse, 100.0 * after.bias);
+            std::fflush(stdout);
+            raw.add(rawMean.cpu(), before.rmse);
+            denoised.add(denoisedMean.cpu(), after.rmse);
+        }
+        raw.print("cache", pathMean_.cpu() * pathTimes_);
+        denoised.print("cache denoised", pathMean_.cpu() * pathTimes_);
     }
 
 private:
@@ -150,36 +165,11 @@ private:
         return e;
     }
 
-    void measureCache(const std::string& label, int texelStep)
-    {
-        TimeToTarget raw(options_.target);
-        TimeToTarget denoised(options_.target);
-        const int first = options_.samples > 0 ? options_.samples : 2;
-        const int last = options_.samples > 0 ? options_.samples : 512;
-        for (int samples = first; samples <= last && !(raw.reached() && denoised.reached());
-             samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
-            MeanError rawMean;
-            MeanError denoisedMean;
-            bakeWithCache(samples, texelStep, rawMean, denoisedMean);
-            const LightError before = errorOf(rawMean);
-            const LightError after = errorOf(denoisedMean);
-            std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label.c_str(), samples,
-                        rawMean.cpu(), rawMean.rays() * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias,
-                        denoisedMean.cpu(), 100.0 * after.rmse, 100.0 * after.bias);
-            std::fflush(stdout);
-            raw.add(rawMean.cpu(), before.rmse);
-            denoised.add(denoisedMean.cpu(), after.rmse);
-        }
-        raw.print(label, pathMean_.cpu() * pathTimes_);
-        denoised.print(label + " denoised", pathMean_.cpu() * pathTimes_);
-    }
-
     /// Each seed once. Paths are traced beside it, for the speed of the machine now.
-    void bakeWithCache(int samples, int texelStep, MeanError& raw, MeanError& denoised)
+    void bakeWithCache(int samples, MeanError& raw, MeanError& denoised)
     {
         IntegrationSettings settings = options_.integration();
         settings.integrator = IntegratorKind::Cache;
-        settings.cache.texelStep = texelStep;
         settings.samples = samples;
         settings.shadowSamples = shadowSamplesFor(samples);
         for (int seed = 1; seed <= options_.seeds; ++seed) {

@@ -28,7 +28,6 @@ BAKES = [
     ("instances", "tests/instances_1023.glb", ["--lightmap-size", "512", "--probe-spacing", "8"]),
     ("path integrator", "tests/closed_room.glb", ["--integrator", "path", "--samples", "32"]),
     ("alpha and reflections", "courtyard.glb", ["--lightmap-size", "256"]),
-    ("interpolated texels", "tests/bumpy_wall.glb", ["--texel-step", "2"]),
 ]
 
 

@@ -32,10 +32,6 @@ void addSampling(CLI::App& app, BakeSettings& bake)
                "noise at which a texel has enough samples, such as 2% (default: --samples on average)");
     addSeconds(app, "--time", bake.seconds, kLeastSeconds, 100.0 * 3600.0,
                "time that the bake may take, such as 30s, 5m or 1.5h: it measures, and chooses --samples");
-    addChoice<int>(
-        app, "--texel-step", bake.texelStep, {{"auto", 0}, {"1", 1}, {"2", 2}, {"4", 4}},
-        "2 or 4: trace every so many texels whatever is around them, and those in between only where light can "
-        "change (default auto: 2 in large lightmaps, else 1)");
     addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
            "shadow rays per texel and light, for masks and baked light (default by quality)");
     addInt(app, "--bounces", bake.bounces, 0, kAllBounces, "most bounces, 0 = direct light only (default: all light)");

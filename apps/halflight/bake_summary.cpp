@@ -127,9 +127,6 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
         print("           --samples {} in place of --time gives the same bytes{}\n", report.quality.samples,
               options.device.device == "auto" ? device : "");
     }
-    if (report.interpolatedTexels > 0) {
-        print("           {} texels are interpolated\n", grouped(report.interpolatedTexels));
-    }
     print("noise      {:.1f} % before denoising", 100.0 * double(report.noiseReached));
     if (report.quality.noiseTarget > 0.0f) {
         print(", target {:.1f} %; {} texels stopped at {} samples", 100.0 * double(report.quality.noiseTarget),

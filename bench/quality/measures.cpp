@@ -302,7 +302,6 @@ Figures measureContact(const std::filesystem::path& assets, int truthSamples)
     const std::filesystem::path file = assets / "quality/contact.glb";
     BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, 14.0f, 32, 1);
     settings.denoiser = Denoiser::Off;
-    settings.texelStep = 1;
     settings.samples = truthSamples;
     settings.seed = 99;
     const auto truth = bakeFile(file, settings);
@@ -328,7 +327,6 @@ Figures measureContact(const std::filesystem::path& assets, int truthSamples)
         settings.seed = 1;
         settings.samples = samples;
         settings.denoiser = finished ? Denoiser::BuiltIn : Denoiser::Off;
-        settings.texelStep = finished ? BakeSettings().texelStep : 1;
         const auto baked = bakeFile(file, settings);
         if (!baked) return std::nullopt;
         std::array<double, 2> squares{};

@@ -43,7 +43,6 @@ struct Field {
     Moments moments;
     uint count;
     uint hasDirect;
-    uint anyInterpolated;
     uint directions;
 };
 layout(buffer_reference, scalar) readonly buffer FieldData { Field field; };
@@ -110,17 +109,9 @@ bool isValid(Field field, uint texel)
 {
     return (field.grid.texels.at[texel].bits & kIsValid) != 0u;
 }
-bool isTraced(Field field, uint texel)
-{
-    return (field.grid.texels.at[texel].bits & kIsTraced) != 0u;
-}
 bool isWhole(Field field, uint texel)
 {
     return (field.grid.texels.at[texel].bits & kIsWhole) != 0u;
-}
-bool anyInterpolated(Field field)
-{
-    return field.anyInterpolated != 0u;
 }
 uint samplesOf(Field field, uint texel)
 {
@@ -139,9 +130,4 @@ NoisyLight scaledLight(Field field, uint texel)
 {
     return lightOf(field.scaled.at[texel]);
 }
-NoisyLight clampedLight(Field field, uint texel)
-{
-    return lightOf(field.clamped.at[texel]);
-}
-
 #endif

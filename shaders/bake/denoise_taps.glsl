@@ -15,16 +15,15 @@ struct Level {
     int number;
 };
 
-bool counts(Level level, uint texel)
+bool isValid(Level level, uint texel)
 {
-    return (level.grid.texels.at[texel].bits & (level.number > 0 ? kIsValid : kIsTraced)) != 0u;
+    return isValid(field, texel);
 }
 Tap tapOn(Level level, uint texel)
 {
     Tap tap = noTap();
     GpuGuide guide = field.guides.at[texel];
     tap.valid = isValid(field, texel);
-    tap.counts = counts(level, texel);
     tap.position = guide.position;
     tap.normal = guide.normal;
     tap.gathered = lightOf(push.gatheredIn.at[texel]);
@@ -37,7 +36,7 @@ Tap tapOn(Level level, uint texel)
 const uint kAllTaps = 0x1ffffffu;
 
 // The taps around the invocation's texel: bits of them, and their values.
-uint countingTaps = 0u;
+uint validTaps = 0u;
 uint sameSideTaps = 0u;
 vec4 gatheredOf[kTaps]; // NoisyLight
 vec4 directOf[kTaps];
@@ -60,12 +59,12 @@ void readTaps(Level level, uint texel)
         gatheredOf[k] = stored(tap.gathered);
         if (field.hasDirect != 0u) directOf[k] = stored(tap.direct);
         if (field.directions != 0u) momentOf[k] = tap.moment;
-        if (tap.counts) countingTaps |= 1u << k;
+        if (tap.valid) validTaps |= 1u << k;
         if (cosine >= kSameSideOfTaps) sameSideTaps |= 1u << k;
     }
     // At rims, taps without their mirror image go.
-    uint mirrored = bitfieldReverse(countingTaps) >> (32 - kTaps);
-    if ((countingTaps & mirrored & ~(1u << kMiddleTap)) == 0u) return;
+    uint mirrored = bitfieldReverse(validTaps) >> (32 - kTaps);
+    if ((validTaps & mirrored & ~(1u << kMiddleTap)) == 0u) return;
     for (int k = 0; k < kTaps; ++k)
         if (k != kMiddleTap && (mirrored & 1u << k) == 0u) nearnessOf[k] = 0.0;
 }
@@ -122,7 +121,7 @@ Trend trendOfTaps(int number)
         slopes.x = slopeBetween(kMiddleTap - 2, kMiddleTap + 2);
         slopes.y = slopeBetween(kMiddleTap - 10, kMiddleTap + 10);
     }
-    if ((countingTaps & sameSideTaps) != kAllTaps) return slopes;
+    if ((validTaps & sameSideTaps) != kAllTaps) return slopes;
     Trend fitted = fittedToTaps();
     float explained = explainedBy(fitted);
     if (explained >= kEnoughExplained || explained >= kEnoughExplained * explainedBy(slopes)) return fitted;
@@ -153,7 +152,6 @@ const TapSums kNoSums = TapSums(0.0, 0.0, vec3(0.0), TermSums(0.0, 0.0, 0.0, 0.0
 
 float gatheredWeight(TapComparison to, int k)
 {
-    if ((countingTaps & 1u << k) == 0u) return 0.0;
     return nearnessOf[k] * falloff(plane2Of[k] + distanceOf(to, gatheredOf[k], k));
 }
 

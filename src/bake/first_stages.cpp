@@ -74,7 +74,6 @@ IntegrationSettings integrationSettings(const BakeSettings& settings, const Bake
     integration.integrator = settings.integrator;
     integration.isa = settings.isa;
     integration.cache.noiseTarget = settings.noiseTarget;
-    integration.cache.texelStep = settings.texelStep;
     integration.cache.denoised = settings.denoiser != Denoiser::Off;
     integration.samples = quality.samples;
     integration.shadowSamples = quality.shadowSamples;

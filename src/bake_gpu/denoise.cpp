@@ -8,7 +8,6 @@
 
 #include "shaders/bake/denoise_differences.comp.h"
 #include "shaders/bake/denoise_filter.comp.h"
-#include "shaders/bake/denoise_interpolated.comp.h"
 #include "shaders/bake/denoise_outliers.comp.h"
 #include "shaders/bake/denoise_variances.comp.h"
 
@@ -41,7 +40,7 @@ struct DeviceGrid {
 struct DeviceField {
     DeviceGrid grid;
     VkDeviceAddress guides, estimates, differences, scaled, clamped, direct, moments;
-    uint32_t count, hasDirect, anyInterpolated, directions;
+    uint32_t count, hasDirect, directions;
 };
 /// Addresses of signals.
 struct SignalAddresses {
@@ -63,7 +62,6 @@ GpuTexel deviceTexel(const DenoiserInput& input, uint32_t i)
     uint32_t bits = texel.page << shading::kPageShift | crossingsAround(input.grid, i);
     if (chartHasSeams(input.grid, i)) bits |= shading::kHasSeams;
     if (estimate.valid) bits |= shading::kIsValid;
-    if (isTraced(estimate)) bits |= shading::kIsTraced;
     if (isWhole(input.map, texel)) bits |= shading::kIsWhole;
     return {uint32_t(texel.x) | uint32_t(texel.y) << 16, bits, texel.chart};
 }
@@ -99,7 +97,6 @@ public:
         launch(pipelines_.differences, {});
         launch(pipelines_.variances, {});
         launch(pipelines_.outliers, {});
-        if (input_.anyInterpolated) launch(pipelines_.interpolated, {});
         // Estimates are read no more: every other level's signals have their place.
         const SignalAddresses own{gathered_.address(), direct_.address(), moments_.address()};
         const VkDeviceAddress lights = count_ * sizeof(NoisyLight);
@@ -144,7 +141,6 @@ private:
             moments_.address(),
             uint32_t(count_),
             input_.hasDirect,
-            input_.anyInterpolated,
             input_.directions};
         static_assert(sizeof(shading::SecondDifference) <= sizeof(NoisyLight));
         transfer_.upload(field_, std::span<const DeviceField>(&field, 1));
@@ -183,7 +179,6 @@ DenoisePipelines::DenoisePipelines(const gpu::Device& device)
     : differences(device, bake_denoise_differences_comp, sizeof(DenoisePush)),
       variances(device, bake_denoise_variances_comp, sizeof(DenoisePush)),
       outliers(device, bake_denoise_outliers_comp, sizeof(DenoisePush)),
-      interpolated(device, bake_denoise_interpolated_comp, sizeof(DenoisePush)),
       filter(device, bake_denoise_filter_comp, sizeof(DenoisePush))
 {}
 

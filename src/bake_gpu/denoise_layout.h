@@ -23,10 +23,9 @@ struct GpuTexel {
 HL_CONST uint kCrossingBits = 0x1ffu;
 HL_CONST uint kHasSeams = 0x200u; // its chart has
 HL_CONST uint kIsValid = 0x400u;
-HL_CONST uint kIsTraced = 0x800u;
-HL_CONST uint kIsWhole = 0x1000u;
-HL_CONST uint kPageShift = 13u;
-HL_CONST uint kMostPages = 0x80000u;
+HL_CONST uint kIsWhole = 0x800u;
+HL_CONST uint kPageShift = 12u;
+HL_CONST uint kMostPages = 0x100000u;
 
 // As TexelPlace.
 struct GpuGuide {

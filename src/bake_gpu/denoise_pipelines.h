@@ -12,7 +12,6 @@ struct DenoisePipelines {
     gpu::ComputePipeline differences;
     gpu::ComputePipeline variances;
     gpu::ComputePipeline outliers;
-    gpu::ComputePipeline interpolated;
     gpu::ComputePipeline filter;
 };
 

@@ -25,8 +25,7 @@ constexpr float kMean = 2.0f;  ///< of light, lux
 
 /// Which parts of the denoiser a run has.
 struct Parts {
-    bool direct = false;       ///< light of baked lights
-    bool interpolated = false; ///< every other texel is
+    bool direct = false; ///< light of baked lights
     bool directions = false;
 };
 
@@ -68,9 +67,7 @@ struct Floor {
             e.irradiance = factor * vec3(light + noise(random), light + noise(random), 0.7f * light);
             e.moment = vec3(noise(random), 0.5f * factor * light, noise(random));
             e.varianceOfMean = kNoise * kNoise * (0.5f + 2.0f * unit(random)) * factor;
-            e.samples = parts.interpolated && (map.texels[i].x + map.texels[i].y) % 2 == 0 ? 0
-                        : dice < 0.015f                                                    ? 32
-                                                                                           : 256;
+            e.samples = dice < 0.015f ? 32 : 256;
             e.valid = dice < 0.98f;
             if (!parts.direct || at.x < 3.0f) continue;
             e.direct = vec3(1.0f + 0.05f * noise(random));
@@ -125,8 +122,8 @@ TEST_F(DeviceDenoiseS6, LightIsTheProcessors)
 {
     const Floor floor;
     EXPECT_FALSE(floor.seams.empty());
-    for (const Parts parts : {Parts{false, false, false}, Parts{true, false, true}, Parts{true, true, true}}) {
-        SCOPED_TRACE(testing::Message() << parts.direct << parts.interpolated << parts.directions);
+    for (const Parts parts : {Parts{false, false}, Parts{true, true}}) {
+        SCOPED_TRACE(testing::Message() << parts.direct << parts.directions);
         const std::vector<IrradianceEstimate> before = floor.estimates(parts);
         const std::vector<IrradianceEstimate> cpu = floor.denoised(parts, {});
         Status status;
@@ -152,7 +149,7 @@ TEST_F(DeviceDenoiseS6, LightIsTheProcessors)
 TEST_F(DeviceDenoiseS6, BytesRepeat)
 {
     const Floor floor;
-    const Parts all{true, true, true};
+    const Parts all{true, true};
     EXPECT_TRUE(sameBits(floor.denoised(all, denoiser()), floor.denoised(all, denoiser())));
 }
 
@@ -185,7 +182,7 @@ private:
 TEST_F(DeviceDenoiseS6, FaultsAreErrors)
 {
     const Floor floor;
-    const Parts all{true, true, true};
+    const Parts all{true, true};
     const std::vector<IrradianceEstimate> cpu = floor.denoised(all, {});
     const std::vector<IrradianceEstimate> gpu = floor.denoised(all, denoiser());
     EXPECT_FALSE(sameBits(cpu, gpu)); // so that the comparison says something

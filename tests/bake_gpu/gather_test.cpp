@@ -18,7 +18,6 @@ IntegrationSettings settingsOf(uint32_t seed)
     settings.samples = 48;
     settings.bounces = 4;
     settings.seed = seed;
-    settings.cache.texelStep = 1;
     return settings;
 }
 

@@ -14,7 +14,7 @@ def note(stage: str, share: float) -> None:
 
 
 baked = halflight.bake(
-    pathlib.Path("scene.glb"), "baked.glb", quality="preview", texels_per_meter=20, sky=(1, 2, 3), texel_step=2,
+    pathlib.Path("scene.glb"), "baked.glb", quality="preview", texels_per_meter=20, sky=(1, 2, 3), integrator="path",
     denoise=False, two_sided=True, only=["floor", "wall"], exposure="auto", noise="2%", progress=note,
 )  # fmt: skip
 seconds: float = baked.seconds
@@ -30,7 +30,7 @@ halflight.bake("scene.glb", progress=True)
 halflight.bake("scene.glb", quality="best")  # type: ignore[arg-type]
 halflight.bake("scene.glb", qualty="high")  # type: ignore[call-arg]
 halflight.bake("scene.glb", "baked.glb", "high")  # type: ignore[arg-type, misc]
-halflight.bake("scene.glb", texel_step=3)  # type: ignore[arg-type]
+halflight.bake("scene.glb", integrator="cach")  # type: ignore[arg-type]
 halflight.bake("scene.glb", samples="many")  # type: ignore[arg-type]
 halflight.bake("scene.glb", progress=lambda stage: None)  # type: ignore[arg-type, misc]
 halflight.render("baked.glb")  # type: ignore[call-arg]

@@ -263,7 +263,6 @@ TEST(RadianceCacheS6, LargePatchesHaveTheirLight)
     IntegrationSettings settings;
     settings.samples = 16;
     settings.shadowSamples = 8;
-    settings.cache.texelStep = 1;
     Bench bench(scene, MixedLightingMode::Shadowmask, kSize, settings);
     const std::vector<IrradianceEstimate> estimates = bench.irradiance();
     settings.integrator = IntegratorKind::Path;

@@ -52,7 +52,6 @@ struct BakeSettings {
     /// Relative standard error up to which a texel is sampled (CacheSettings::noiseTarget). `samples` is then the
     /// most that a texel gets, 4096 if it is 0. 0 = no target.
     float noiseTarget = 0.0f;
-    int texelStep = 0; ///< CacheSettings::texelStep
     /// Seconds that the bake, with the writing of its file, may take: it measures, and chooses `samples`, which must be
     /// 0. Not with a noise target or a cache. 0 = no limit.
     double seconds = 0.0;
@@ -185,9 +184,8 @@ struct BakeReport {
     double samplesPerTexel = 0.0; ///< mean
     /// Root mean square over the texels of the standard error of luminance before denoising, over the mean luminance.
     float noiseReached = 0.0f;
-    uint64_t interpolatedTexels = 0; ///< see CacheSettings::texelStep
-    uint64_t texelsAtCap = 0;        ///< texels that reached `samples` before the noise target
-    uint64_t invalidTexels = 0;      ///< texels inside geometry, filled from neighbours
+    uint64_t texelsAtCap = 0;   ///< texels that reached `samples` before the noise target
+    uint64_t invalidTexels = 0; ///< texels inside geometry, filled from neighbours
     float texelsPerMeter = 0.0f;
     DensityFrom densityFrom = DensityFrom::Page;
     float atlasCoverage = 0.0f; ///< 0…1

@@ -93,10 +93,6 @@ struct CacheSettings {
     /// 1/50 of the map's mean in darker places). IntegrationSettings::samples is then the most a texel gets. 0 = no
     /// target.
     float noiseTarget = 0.0f;
-    /// Spacing of the sparse grid of texels that are always traced: 1, 2 or 4 texels. The others are interpolated where
-    /// the surface is smooth and no hit is near (Ward 1988), else traced. Emitters are sampled at every texel. 0 = 2 in
-    /// maps of more than 400,000 texels, else 1.
-    int texelStep = 0;
     /// Whether denoising follows. Without a noise target, samples are then allocated to the noise that the denoiser
     /// leaves: to texels where light varies from texel to texel.
     bool denoised = true;
@@ -147,7 +143,7 @@ struct IrradianceEstimate {
     float varianceOfMean = 0.0f;   ///< of the luminance of `irradiance`, lux²
     vec3 direct{0.0f};             ///< lux: the part of `irradiance` that fully baked lights contribute directly
     float varianceOfDirect = 0.0f; ///< of its luminance, lux²; included in varianceOfMean
-    uint32_t samples = 0;          ///< number of rays or paths; 0: interpolated
+    uint32_t samples = 0;          ///< number of rays or paths
     bool valid = true;             ///< false: the texel has no valid points
 };
 

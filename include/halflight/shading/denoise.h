@@ -107,8 +107,7 @@ HL_FN float falloff(float x)
 
 // What the filter reads at a tap.
 struct Tap {
-    bool valid;  // on the surface, and outside geometry
-    bool counts; // for gathered light
+    bool valid; // on the surface, and outside geometry
     vec3 position;
     vec3 normal; // unit
     NoisyLight gathered;
@@ -120,7 +119,6 @@ HL_FN Tap noTap()
 {
     Tap tap;
     tap.valid = false;
-    tap.counts = false;
     tap.position = vec3(0.0f);
     tap.normal = vec3(0.0f);
     tap.gathered = noisyLight(vec3(0.0f), 0.0f);

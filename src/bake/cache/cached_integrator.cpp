@@ -12,7 +12,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 44; ///< raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 45; ///< raised when estimates of the same input change
 
 /// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
 constexpr double kCheckTolerance = 0.005;
@@ -106,17 +106,16 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     // qualityOf() replaces, those that change no byte of the output file, the instruction set, which is part of
     // the identity, `only`, and a time limit, with which no bake is kept.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
-                                  noiseTarget, texelStep, seconds, clock, isa, uvMode, texelsPerMeter, lightmapSize,
-                                  paddingTexels, twoSided, denoiser, directional, maskEncoding, mostMaskLayers,
-                                  subtractiveMask, probeSpacingMeters, probeLayout, reflectionProbes, groups, threads,
-                                  seed, imagesDirectory, cacheDirectory, mixedIdentities, only] = settings;
+                                  noiseTarget, seconds, clock, isa, uvMode, texelsPerMeter, lightmapSize, paddingTexels,
+                                  twoSided, denoiser, directional, maskEncoding, mostMaskLayers, subtractiveMask,
+                                  probeSpacingMeters, probeLayout, reflectionProbes, groups, threads, seed,
+                                  imagesDirectory, cacheDirectory, mixedIdentities, only] = settings;
     const BakeQuality q = qualityOf(settings, scene);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
     hasher.add(q.samples).add(q.shadowSamples).add(q.bounces).add(q.lightmapSize).add(q.probeSamples);
     hasher.add(int(glossyBounces))
         .add(q.noiseTarget)
-        .add(texelStep)
         .add(texelsPerMeter)
         .add(paddingTexels)
         .add(int(twoSided))
@@ -138,7 +137,6 @@ Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, Mix
     hasher.add(int(settings.glossyBounces))
         .add(int(settings.integrator))
         .add(settings.cache.noiseTarget)
-        .add(settings.cache.texelStep)
         .add(int(settings.cache.denoised))
         .add(settings.probeSamples)
         .add(settings.seed);

@@ -3,7 +3,7 @@
 // (Schied et al. 2017, "Spatiotemporal Variance-Guided Filtering"): differences within the noise are smoothed, larger
 // ones (contact shadows) stay. Its neighbourhoods go on across seams, so that both sides average the same texels.
 //
-// The first level averages traced texels alone. Each level fits a polynomial of second order first and averages the
+// Each level fits a polynomial of second order first and averages the
 // residuals (Savitzky and Golay 1964; cf. Bitterli et al. 2016, "Nonlinearly Weighted First-order Regression for
 // Denoising Monte Carlo Renderings"). Without it a gradient would be smoothed only along its isolines. Beside edges of
 // light and at rims, slopes take the polynomial's place, from the second level on.
@@ -131,9 +131,9 @@ struct Neighbourhood {
     /// corner, towards the light. Such taps are left out, unless the texel has no pair of taps at all.
     [[nodiscard]] TapFloats nearness(float tapsPerMeter) const
     {
-        const auto mirrored = [&](std::size_t k) { return k < kTaps ? taps.counts[kTaps - 1 - k] : 0.0f; };
+        const auto mirrored = [&](std::size_t k) { return k < kTaps ? taps.valid[kTaps - 1 - k] : 0.0f; };
         bool pairs = false;
-        for (std::size_t k = 0; k < kMiddleTap; ++k) pairs = pairs || taps.counts[k] * mirrored(k) > 0.0f;
+        for (std::size_t k = 0; k < kMiddleTap; ++k) pairs = pairs || taps.valid[k] * mirrored(k) > 0.0f;
         TapFloats near = forTaps([&](std::size_t k) {
             return shading::tapNearness(taps.position.at(k), cosine[k], kTerms.spline[k], taps.valid[k], tapsPerMeter);
         });
@@ -178,7 +178,7 @@ Detrended detrendedOf(const Neighbourhood& around)
         slopes.y = around.slopeBetween(kMiddleTap - 10, kMiddleTap + 10);
     }
     bool fits = true;
-    for (std::size_t k = 0; fits && k < kTaps; ++k) fits = around.taps.counts[k] > 0.0f && around.sameSide(k);
+    for (std::size_t k = 0; fits && k < kTaps; ++k) fits = around.taps.valid[k] > 0.0f && around.sameSide(k);
     if (!fits) return {light, slopes};
     const Detrended fitted(light, fittedTrend(light.irradiance));
     const float explained = fitted.explained();
@@ -207,8 +207,8 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
     const TapFloats near = around.nearness(tapsPerMeter);
     const TapFloats plane2 = around.planeDistances2(tapsPerMeter);
     const Detrended gathered = detrendedOf(around);
-    const TapFloats weights = forTaps(
-        [&](std::size_t k) { return taps.counts[k] * near[k] * shading::falloff(plane2[k] + gathered.distances[k]); });
+    const TapFloats weights =
+        forTaps([&](std::size_t k) { return near[k] * shading::falloff(plane2[k] + gathered.distances[k]); });
     out.gathered[i] = meanOf(taps.gathered, weights, gathered.trend, correlation * gathered.trend.noise);
     const bool hasDirect = !level.in.direct.empty();
     if (hasDirect) {
@@ -235,8 +235,7 @@ std::vector<Guide> guidesOf(const DenoiserInput& input)
 {
     std::vector<Guide> guides = largeVector<Guide>(input.estimates.size());
     forEachIndex(guides.size(), [&](std::size_t i) {
-        guides[i] = {placeOf(input.geometry, input.map, input.map.texels[i]), input.estimates[i].valid,
-                     isTraced(input.estimates[i])};
+        guides[i] = {placeOf(input.geometry, input.map, input.map.texels[i]), input.estimates[i].valid};
     });
     return guides;
 }
@@ -292,8 +291,7 @@ Status denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<cons
 {
     const SurfaceGrid grid(map, seams);
     const bool hasDirect = anyOf(estimates, [](const auto& e) { return e.direct != vec3(0.0f); });
-    const bool anyInterpolated = anyOf(estimates, isInterpolated);
-    const DenoiserInput input{geometry, map, grid, estimates, hasDirect, anyInterpolated, directions};
+    const DenoiserInput input{geometry, map, grid, estimates, hasDirect, directions};
     Result<Signals> signals = device ? device(input) : denoisedSignals(input);
     if (signals) {
         writeTo(estimates, *signals);

@@ -14,17 +14,6 @@ namespace halflight {
 
 using shading::NoisyLight;
 
-/// True for a texel with samples of its own. An interpolated texel (CacheSettings::texelStep) is the mean of
-/// traced ones, and carries no information beyond theirs.
-inline bool isTraced(const IrradianceEstimate& estimate)
-{
-    return estimate.valid && estimate.samples > 0;
-}
-inline bool isInterpolated(const IrradianceEstimate& estimate)
-{
-    return estimate.valid && estimate.samples == 0;
-}
-
 /// The map that estimates are denoised on.
 struct DenoiserInput {
     const BakeGeometry& geometry;
@@ -32,7 +21,6 @@ struct DenoiserInput {
     const SurfaceGrid& grid;
     std::span<const IrradianceEstimate> estimates; ///< by texel
     bool hasDirect = false;                        ///< some estimate has direct light of baked lights
-    bool anyInterpolated = false;                  ///< some texel is interpolated
     bool directions = false;                       ///< first moments are filtered too
 };
 

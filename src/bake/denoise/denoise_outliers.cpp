@@ -24,18 +24,10 @@ bool isValid(const Field& field, uint32_t texel)
 {
     return field.input.estimates[texel].valid;
 }
-bool isTraced(const Field& field, uint32_t texel)
-{
-    return isTraced(field.input.estimates[texel]);
-}
 /// Covered for the most part, and all of its sample points are valid.
 bool isWhole(const Field& field, uint32_t texel)
 {
     return isWhole(field.input.map, field.input.map.texels[texel]);
-}
-bool anyInterpolated(const Field& field)
-{
-    return field.input.anyInterpolated;
 }
 uint32_t samplesOf(const Field& field, uint32_t texel)
 {
@@ -53,10 +45,6 @@ const shading::SecondDifference& differenceAt(const Field& field, uint32_t texel
 const NoisyLight& scaledLight(const Field& field, uint32_t texel)
 {
     return field.scaled[texel];
-}
-const NoisyLight& clampedLight(const Field& field, uint32_t texel)
-{
-    return field.clamped[texel];
 }
 
 /// Calls body(texel) for all texels outside geometry.
@@ -102,12 +90,6 @@ Signals clampedSignals(const DenoiserInput& input)
     forEachIndex(count, [&](std::size_t i) { signals.moments[i] = input.estimates[i].moment; });
     scaleVariances(field);
     forValid(field, [&](uint32_t i) { keep(field, signals.moments, i, shading::withoutOutlier(field, i)); });
-    if (input.anyInterpolated) {
-        forValid(field, [&](uint32_t i) {
-            if (!isTraced(field, i))
-                keep(field, signals.moments, i, shading::withoutShareOfOutlier(field, i, field.clamped[i]));
-        });
-    }
     signals.gathered = std::move(field.clamped);
     if (input.hasDirect) {
         signals.direct = largeVector<NoisyLight>(count);

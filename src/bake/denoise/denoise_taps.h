@@ -24,7 +24,6 @@ using TapFloats = std::array<float, kPaddedTaps>; ///< a value of each tap
 struct Guide {
     TexelPlace place;
     bool valid = false;
-    bool traced = false;
 };
 
 /// One level of the filter: its inputs, all indexed by texel.
@@ -38,9 +37,9 @@ struct Level {
     [[nodiscard]] int step() const { return 1 << number; }
 };
 
-inline bool counts(const Level& level, uint32_t texel)
+inline bool isValid(const Level& level, uint32_t texel)
 {
-    return level.guides[texel].valid && (level.number > 0 || level.guides[texel].traced);
+    return level.guides[texel].valid;
 }
 
 inline shading::Tap tapOn(const Level& level, uint32_t texel)
@@ -48,7 +47,6 @@ inline shading::Tap tapOn(const Level& level, uint32_t texel)
     const Guide& guide = level.guides[texel];
     shading::Tap tap = shading::noTap();
     tap.valid = guide.valid;
-    tap.counts = counts(level, texel);
     tap.position = guide.place.position;
     tap.normal = guide.place.normal;
     tap.gathered = level.in.gathered[texel];
@@ -90,7 +88,6 @@ struct TapLights {
 /// The taps around a texel.
 struct Taps {
     TapFloats valid{};  ///< 1 = on the surface, and outside geometry; else 0
-    TapFloats counts{}; ///< 1 = counts for gathered light
     TapColors position; ///< from the middle tap, metres
     TapColors normal;   ///< unit; 0 where the tap is not valid
     TapLights gathered;
@@ -110,7 +107,6 @@ private:
     void set(std::size_t k, const shading::Tap& tap, vec3 middle, const Level& level)
     {
         valid[k] = 1.0f;
-        counts[k] = tap.counts ? 1.0f : 0.0f;
         position.set(k, tap.position - middle);
         normal.set(k, tap.normal);
         gathered.set(k, tap.gathered);

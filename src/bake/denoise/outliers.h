@@ -2,13 +2,10 @@
 // and GLSL 4.60 compile this file (halflight/shading/language.h). Field is a type with a member `grid`
 // (surface_walk.h), and these functions, besides NeighbourValues and those of neighbour_values.h:
 //   bool isValid(Field, uint texel)              outside geometry
-//   bool isTraced(Field, uint texel)             valid, with samples of its own; others are interpolated
 //   bool isWhole(Field, uint texel)              covered for the most part, with no sample point inside geometry
-//   bool anyInterpolated(Field)
 //   uint samplesOf(Field, uint texel)            any number from kReliableSamples on where they are as many
 //   NoisyLight statedLight(Field, uint texel)    gathered light as the estimates state it
 //   NoisyLight scaledLight(Field, uint texel)    the same with the calibrated variance
-//   NoisyLight clampedLight(Field, uint texel)   what withoutOutlier() gave for a traced texel
 #ifndef HALFLIGHT_BAKE_OUTLIERS_H
 #define HALFLIGHT_BAKE_OUTLIERS_H
 
@@ -26,10 +23,8 @@ HL_CONST float kConfirmingShare = 0.25f;
 HL_CONST uint kReliableSamples = 128u; // from there on chance does not explain a difference
 HL_CONST int kFewestNeighbours = 8;    // below, quantiles of the neighbourhood mean nothing
 
-// Statistics of gathered light around one texel, on its surface: over the texels within a distance of 2 × `step` along
-// both axes (5 × 5 or 9 × 9), of a traced texel over traced ones alone. "Adjacent" is a distance of at most `step`.
+// Statistics of gathered light around one texel, on its surface: over 5 × 5 texels. "Adjacent" are the 3 × 3.
 struct NeighbourStats {
-    int step;  // 1, or 2 where many texels are interpolated
     int count; // neighbours, without the texel itself; NeighbourValues has theirs
     int adjacentCount;
     vec2 brightestAdjacent; // the two largest luminances of adjacent texels, descending
@@ -45,7 +40,6 @@ struct OutlierTexel {
     float variance;       // calibrated
     float statedVariance; // as estimated by the integrator
     bool few;             // fewer samples than prove that light is real
-    bool traced;
     bool whole;
 };
 
@@ -59,10 +53,9 @@ HL_FN void addAdjacent(HL_INOUT(NeighbourStats) stats, float luminance)
 }
 
 HL_FN_OF(Field)
-NeighbourStats neighbourStats(HL_IN(Field) field, uint texel, int step, HL_INOUT(NeighbourValues) values)
+NeighbourStats neighbourStats(HL_IN(Field) field, uint texel, HL_INOUT(NeighbourValues) values)
 {
     NeighbourStats stats;
-    stats.step = step;
     stats.count = 0;
     stats.adjacentCount = 0;
     stats.brightestAdjacent = vec2(0.0f);
@@ -70,21 +63,20 @@ NeighbourStats neighbourStats(HL_IN(Field) field, uint texel, int step, HL_INOUT
     stats.irradianceSum = vec3(0.0f);
     stats.varianceSum = 0.0f;
     stats.varianceWeight = 0.0f;
-    bool tracedOnly = isTraced(field, texel);
     float most = 4.0f * scaledLight(field, texel).variance + 1.0e-12f;
-    for (int dy = -2 * step; dy <= 2 * step; ++dy) {
-        for (int dx = -2 * step; dx <= 2 * step; ++dx) {
+    for (int dy = -2; dy <= 2; ++dy) {
+        for (int dx = -2; dx <= 2; ++dx) {
             uint j = texelOnSurface(field.grid, texel, ivec2(dx, dy));
-            if (j == kNowhere || !isValid(field, j) || (tracedOnly && !isTraced(field, j))) continue;
+            if (j == kNowhere || !isValid(field, j)) continue;
             NoisyLight light = scaledLight(field, j);
             if (j != texel) {
                 float other = luminanceOf(light.irradiance);
                 stats.irradianceSum += light.irradiance;
                 keepNeighbour(values, stats.count, other, light.variance);
                 ++stats.count;
-                if (max(abs(dx), abs(dy)) <= step) addAdjacent(stats, other);
+                if (max(abs(dx), abs(dy)) <= 1) addAdjacent(stats, other);
             }
-            float w = 1.0f / (1.0f + float(dx * dx + dy * dy) / float(step * step));
+            float w = 1.0f / (1.0f + float(dx * dx + dy * dy));
             stats.varianceSum += w * min(light.variance, most);
             stats.varianceWeight += w;
         }
@@ -105,7 +97,7 @@ HL_FN int highRank(int count)
 // Whether a texel lies in the midst of a surface.
 HL_FN bool isAmid(NeighbourStats stats, OutlierTexel texel)
 {
-    return texel.whole && stats.adjacentCount * stats.step >= 8;
+    return texel.whole && stats.adjacentCount == 8;
 }
 
 // Few samples, in the midst of a surface. Half blocks agree by chance in one of some thousand such texels, so that a
@@ -162,24 +154,11 @@ HL_FN float luminanceWithoutOutliers(NeighbourStats stats, HL_INOUT(NeighbourVal
 {
     float own = texel.luminance;
     int count = stats.count;
-    if (!texel.traced || count < kFewestNeighbours) return own;
+    if (count < kFewestNeighbours) return own;
     bool isDark = mayAgreeByChance(stats, texel) && luminanceRankIsAbove(values, count, lowRank(count), own);
     if (isDark) return raisedLuminance(stats, texel, luminanceOfRank(values, count, lowRank(count)), variance);
     if (luminanceRankIsAbove(values, count, highRank(count), own)) return own;
     return loweredLuminance(stats, texel, luminanceOfRank(values, count, highRank(count)), variance);
-}
-
-// 1, or 2 where so many texels are interpolated that too few traced ones are in the 5 × 5.
-HL_FN_OF(Field) int stepAround(HL_IN(Field) field, uint texel)
-{
-    int interpolated = 0;
-    for (int dy = -2; dy <= 2; ++dy) {
-        for (int dx = -2; dx <= 2; ++dx) {
-            uint j = texelOnSurface(field.grid, texel, ivec2(dx, dy));
-            interpolated += j != kNowhere && isValid(field, j) && !isTraced(field, j) ? 1 : 0;
-        }
-    }
-    return interpolated >= kFewestNeighbours ? 2 : 1;
 }
 
 // Light of a texel after its outlier was removed, and by how much its luminance has changed.
@@ -192,8 +171,7 @@ struct ClampedTexel {
 HL_FN_OF(Field) ClampedTexel withoutOutlier(HL_IN(Field) field, uint texel)
 {
     NeighbourValues values;
-    int step = isTraced(field, texel) && anyInterpolated(field) ? stepAround(field, texel) : 1;
-    NeighbourStats stats = neighbourStats(field, texel, step, values);
+    NeighbourStats stats = neighbourStats(field, texel, values);
     ClampedTexel clamped;
     clamped.light = scaledLight(field, texel);
     OutlierTexel own;
@@ -201,7 +179,6 @@ HL_FN_OF(Field) ClampedTexel withoutOutlier(HL_IN(Field) field, uint texel)
     own.variance = clamped.light.variance;
     own.statedVariance = statedLight(field, texel).variance;
     own.few = samplesOf(field, texel) < kReliableSamples;
-    own.traced = isTraced(field, texel);
     own.whole = isWhole(field, texel);
     clamped.light.variance = smoothedVariance(stats, values, own);
     clamped.before = own.luminance;
@@ -212,34 +189,6 @@ HL_FN_OF(Field) ClampedTexel withoutOutlier(HL_IN(Field) field, uint texel)
             stats.irradianceSum * ((clamped.after - clamped.before) / luminanceOf(stats.irradianceSum));
     else if (clamped.after < clamped.before)
         clamped.light.irradiance *= clamped.after / clamped.before;
-    return clamped;
-}
-
-// Whether light was clamped. What a device computes twice may differ by its rounding.
-HL_FN bool isClamped(vec3 clamped, vec3 before)
-{
-    return length(clamped - before) > 1.0e-5f * length(before);
-}
-
-// An interpolated texel beside a clamped outlier holds a share of it: its limit is the brightest adjacent traced texel.
-HL_FN_OF(Field) ClampedTexel withoutShareOfOutlier(HL_IN(Field) field, uint texel, NoisyLight light)
-{
-    bool beside = false;
-    float brightest = 0.0f;
-    for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-            uint j = texelOnSurface(field.grid, texel, ivec2(dx, dy));
-            if (j == kNowhere || !isTraced(field, j)) continue;
-            vec3 other = clampedLight(field, j).irradiance;
-            beside = beside || isClamped(other, scaledLight(field, j).irradiance);
-            brightest = max(brightest, luminanceOf(other));
-        }
-    }
-    ClampedTexel clamped;
-    clamped.light = light;
-    clamped.before = luminanceOf(light.irradiance);
-    clamped.after = beside && clamped.before > brightest ? brightest : clamped.before;
-    if (clamped.after < clamped.before) clamped.light.irradiance *= clamped.after / clamped.before;
     return clamped;
 }
 

@@ -1,7 +1,7 @@
 // What a level of the denoiser's filter reads at a tap: the values of a texel, or beyond a seam the bilinear mean of
 // those around a place. C++ and GLSL 4.60 compile this file (halflight/shading/language.h). Level is a type with
 // members `grid` (surface_walk.h) and `number`, and these functions:
-//   bool counts(Level, uint texel)  whether a texel counts for gathered light
+//   bool isValid(Level, uint texel)  outside geometry
 //   Tap tapOn(Level, uint texel)
 #ifndef HALFLIGHT_BAKE_TAP_H
 #define HALFLIGHT_BAKE_TAP_H
@@ -19,11 +19,11 @@ HL_FN_OF(Level) Tap tapBeyond(HL_IN(Level) level, Footprint footprint)
     Tap sum = noTap();
     float weight = 0.0f;
     for (uint n = 0u; n < footprint.count; ++n) {
-        if (counts(level, footprint.texels[n])) weight += footprint.weights[n];
+        if (isValid(level, footprint.texels[n])) weight += footprint.weights[n];
     }
     if (weight < kEnough) return sum;
     for (uint n = 0u; n < footprint.count; ++n) {
-        if (!counts(level, footprint.texels[n])) continue;
+        if (!isValid(level, footprint.texels[n])) continue;
         float w = footprint.weights[n] / weight;
         float ofVariance = level.number == 0 ? w * w : w; // values of later levels share texels
         Tap tap = tapOn(level, footprint.texels[n]);
@@ -36,7 +36,6 @@ HL_FN_OF(Level) Tap tapBeyond(HL_IN(Level) level, Footprint footprint)
         sum.moment += w * tap.moment;
     }
     sum.valid = length(sum.normal) > 0.0f;
-    sum.counts = sum.valid;
     if (sum.valid) sum.normal = normalize(sum.normal);
     return sum;
 }

@@ -1,6 +1,6 @@
 // The calibration of a texel's variance by second differences. C++ and GLSL 4.60 compile this file
 // (halflight/shading/language.h). Field is a type with a member `grid` (surface_walk.h), and these functions:
-//   bool isTraced(Field, uint texel)              it has samples of its own
+//   bool isValid(Field, uint texel)               outside geometry
 //   NoisyLight statedLight(Field, uint texel)     gathered light as the estimates state it
 //   SecondDifference differenceAt(Field, uint texel)  what secondDifference() gave for the texel
 #ifndef HALFLIGHT_BAKE_TEXEL_VARIANCE_H
@@ -20,16 +20,15 @@ HL_FN SecondDifference differenceOf(float measured, float expected)
     return difference;
 }
 
-// Over 3 × 3 texels, `apart` from one another. An expectation below 0 where one is missing on the chart: texels beyond
-// seams lie off the grid.
-HL_FN_OF(Field) SecondDifference differenceOver(HL_IN(Field) field, uint texel, int apart)
+// Over 3 × 3 texels. 0 where one is missing on the chart: texels beyond seams lie off the grid.
+HL_FN_OF(Field) SecondDifference secondDifference(HL_IN(Field) field, uint texel)
 {
     float difference = 0.0f;
     float variance = 0.0f;
     for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
-            uint j = texelOnChart(field.grid, texel, ivec2(dx * apart, dy * apart));
-            if (j == kNowhere || !isTraced(field, j)) return differenceOf(0.0f, -1.0f);
+            uint j = texelOnChart(field.grid, texel, ivec2(dx, dy));
+            if (j == kNowhere || !isValid(field, j)) return differenceOf(0.0f, 0.0f);
             float weight = secondDifferenceWeight(dx, dy);
             NoisyLight light = statedLight(field, j);
             difference += weight * luminanceOf(light.irradiance);
@@ -37,16 +36,6 @@ HL_FN_OF(Field) SecondDifference differenceOver(HL_IN(Field) field, uint texel, 
         }
     }
     return differenceOf(difference * difference, variance);
-}
-
-// Traced texels are 1, 2 or 4 texels apart: the smallest complete 3 × 3 counts.
-HL_FN_OF(Field) SecondDifference secondDifference(HL_IN(Field) field, uint texel)
-{
-    for (int apart = 1; apart <= 4 && isTraced(field, texel); apart *= 2) {
-        SecondDifference found = differenceOver(field, texel, apart);
-        if (found.expected >= 0.0f) return found;
-    }
-    return differenceOf(0.0f, 0.0f);
 }
 
 // A factor, at most 1, by which the variance of a texel's gathered light is scaled before filtering. Estimates derive

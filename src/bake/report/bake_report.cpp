@@ -92,13 +92,11 @@ void reportNoise(std::span<const IrradianceEstimate> estimates, const std::optio
         sum += double(luminance(e.irradiance));
         if (main) sum += double(luminance(main->at(i)));
         samples += double(e.samples);
-        if (e.samples == 0) ++report.interpolatedTexels;
         if (report.quality.noiseTarget > 0.0f && e.samples >= most) ++report.texelsAtCap;
     }
     report.invalidTexels = estimates.size() - valid;
     if (valid == 0) return;
-    const uint64_t traced = valid - report.interpolatedTexels;
-    report.samplesPerTexel = traced > 0 ? samples / double(traced) : 0.0;
+    report.samplesPerTexel = samples / double(valid);
     report.noiseReached = sum > 0.0 ? float(std::sqrt(variance * double(valid)) / sum) : 0.0f;
 }
 

@@ -131,7 +131,6 @@ std::string reportJson(const BakeReport& report)
         {"peakDeviceBytes", report.peakDeviceBytes},
         {"samplesPerTexel", report.samplesPerTexel},
         {"noise", report.noiseReached},
-        {"interpolatedTexels", report.interpolatedTexels},
         {"texelsAtSampleLimit", report.texelsAtCap},
         {"quality",
          {{"samples", report.quality.samples},

@@ -8,39 +8,20 @@
 namespace halflight {
 namespace {
 
-/// A texel is interpolated if its distance to the anchors, squared, times the mean of 1 / length^2 of their rays is at
-/// most this: a bound of the second derivative of irradiance (Ward, Rubinstein and Clear 1988).
-constexpr float kMostBend = 0.03f;
-/// Maps with more texels have a sparse grid of step 2: its texels have rays enough for all in open places.
-constexpr std::size_t kManyTexels = 400'000;
 constexpr std::size_t kGrain = 64; ///< texels that a thread takes at a time
 
 } // namespace
-
-int texelStepOf(const IntegrationSettings& settings, const TexelMap& map)
-{
-    if (settings.cache.texelStep > 0) return settings.cache.texelStep;
-    return map.texels.size() > kManyTexels ? 2 : 1;
-}
 
 LightmapRun::LightmapRun(const LightmapInput& input, std::span<const uint32_t> texels, int samples, float scale,
                          const Progress& progress, std::atomic<uint64_t>& rays)
     : input_(input), scale_(scale), progress_(progress), rays_(rays),
       plan_(input.settings, input.paths.surfaces().geometry(), input.map, input.state.grid, input.state.mean, samples,
             scale),
-      grid_(input.paths.surfaces().geometry(), input.map, input.state.grid, texelStepOf(input.settings, input.map)),
       texels_{TexelSet(input.map, texels), {}, {}}
 {
     TexelSet& set = texels_.texels;
-    const auto neighbours = [&](uint32_t texel, const auto& add) { grid_.forNeighbours(texel, add); };
-    // Anchors of the texels, and their anchors.
-    const auto addAnchors = [&] {
-        for (int step = grid_.step(); step > 1; step /= 2) set.extend(neighbours);
-    };
-    addAnchors();
     wanted_.emplace(set);
     set.extend([&](uint32_t texel, const auto& add) { input.state.grid.around(texel, SamplePlan::kRadius, add); });
-    addAnchors();
     texels_.states.resize(set.size());
     texels_.components.resize(set.size() * componentCount());
 }
@@ -55,7 +36,7 @@ IrradianceEstimate LightmapRun::estimateOf(uint32_t texel) const
     estimate.irradiance = e.irradiance();
     estimate.moment = e.gathered.meanMoment() + e.emitted.meanMoment();
     estimate.varianceOfMean = e.gathered.varianceOfMean() + e.emitted.varianceOfMean();
-    estimate.samples = s.interpolated ? 0 : e.blocks() * uint32_t(StratifiedPattern::kBlock);
+    estimate.samples = e.blocks() * uint32_t(StratifiedPattern::kBlock);
     return estimate;
 }
 
@@ -81,24 +62,16 @@ void LightmapRun::componentsOf(uint32_t texel, IrradianceEstimate& all, std::spa
 Status LightmapRun::firstPass()
 {
     std::vector<uint32_t> places;
-    for (int spacing = grid_.step(); spacing >= 1; spacing /= 2) {
-        places.clear();
-        for (std::size_t i = 0; i < size(); ++i) {
-            if (grid_.spacingOf(texelAt(i)) == spacing) places.push_back(uint32_t(i));
-        }
-        parallelFor(places.size(), 256, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) tryInterpolate(places[i]);
-        });
-        std::erase_if(places, [&](uint32_t place) { return stateAt(place).interpolated || takeFirstPass(place); });
-        const int blocks = plan_.firstBlocks();
-        const auto first = [blocks](FinalGather& gather, const GatherGroup& group,
-                                    const FinalGather::Estimates& estimates,
-                                    uint64_t& rays) { gather.add(group, 0, blocks, estimates, rays); };
-        const std::vector<int> same(input_.state.device != nullptr ? places.size() : 0, blocks);
-        if (Status s = input_.state.device != nullptr ? extendOnDevice(places, same, 0) : extend(places, first); !s)
-            return s;
-        for (const uint32_t place : places) stateAt(place).valid = input_.map.texels[texelAt(place)].validPoints != 0;
+    for (uint32_t place = 0; place < size(); ++place) {
+        if (!takeFirstPass(place)) places.push_back(place);
     }
+    const int blocks = plan_.firstBlocks();
+    const auto first = [blocks](FinalGather& gather, const GatherGroup& group, const FinalGather::Estimates& estimates,
+                                uint64_t& rays) { gather.add(group, 0, blocks, estimates, rays); };
+    const std::vector<int> same(input_.state.device != nullptr ? places.size() : 0, blocks);
+    if (Status s = input_.state.device != nullptr ? extendOnDevice(places, same, 0) : extend(places, first); !s)
+        return s;
+    for (const uint32_t place : places) stateAt(place).valid = input_.map.texels[texelAt(place)].validPoints != 0;
     return {};
 }
 
@@ -119,7 +92,7 @@ Status LightmapRun::laterPasses()
     std::vector<int> needed(size());
     parallelFor(size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (stateAt(i).traced() && wanted_->contains(texelAt(i))) needed[i] = plan_.blocksOf(texelAt(i), texels_);
+            if (stateAt(i).valid && wanted_->contains(texelAt(i))) needed[i] = plan_.blocksOf(texelAt(i), texels_);
         }
     });
     const int first = plan_.firstBlocks();
@@ -169,81 +142,6 @@ Status LightmapRun::laterPasses()
             }
         });
     return input_.paths.surfaces().outcome(finished);
-}
-
-/// Interpolates a texel if its anchors are valid and no geometry is near them.
-void LightmapRun::tryInterpolate(uint32_t place)
-{
-    SparseGrid::Anchors anchors;
-    const uint32_t texel = texelAt(place);
-    if (input_.map.texels[texel].validPoints != kAllPoints || !grid_.anchorsOf(texel, anchors)) return;
-    float inverseSquare = 0.0f; // mean over the rays
-    for (int i = 0; i < anchors.count; ++i) {
-        const TexelState& s = texels_.of(anchors.texels[std::size_t(i)]);
-        if (input_.map.texels[anchors.texels[std::size_t(i)]].validPoints != kAllPoints) return;
-        inverseSquare += s.estimate.meanInverseSquare() / float(anchors.count);
-    }
-    if (!(inverseSquare * anchors.meters * anchors.meters <= kMostBend)) return;
-    TexelState& s = stateAt(place);
-    s.interpolated = s.valid = true;
-    interpolate(anchors, place);
-}
-
-/// Sets the gathered light to the mean of the anchors'.
-void LightmapRun::interpolate(const SparseGrid::Anchors& anchors, uint32_t place)
-{
-    const float share = 1.0f / float(anchors.count);
-    float inverseSquares = 0.0f; // per half-block
-    uint32_t count = ~0u;
-    for (int i = 0; i < anchors.count; ++i) {
-        const TexelEstimate& e = texels_.of(anchors.texels[std::size_t(i)]).estimate;
-        inverseSquares += share * e.inverseSquares / float(e.gathered.count);
-        count = std::min(count, e.gathered.count);
-    }
-    // `gatheredOf` gives a term of an anchor, whose texel has a place.
-    const auto meanOf = [&](const auto& gatheredOf) {
-        vec3 irradiance(0.0f);
-        vec3 moment(0.0f);
-        float variance = 0.0f;
-        for (int i = 0; i < anchors.count; ++i) {
-            const RunningMoments& gathered = gatheredOf(texels_.texels.find(anchors.texels[std::size_t(i)]));
-            irradiance += share * gathered.mean();
-            moment += share * gathered.meanMoment();
-            variance += share * share * gathered.varianceOfMean();
-        }
-        return RunningMoments::of(irradiance, moment, variance, count);
-    };
-    TexelState& state = stateAt(place);
-    state.estimate.gathered =
-        meanOf([&](std::size_t anchor) -> const RunningMoments& { return texels_.states[anchor].estimate.gathered; });
-    state.estimate.inverseSquares = inverseSquares * float(count);
-    for (std::size_t c = 0; c < componentCount(); ++c)
-        componentsAt(place)[c].gathered = meanOf([&](std::size_t anchor) -> const RunningMoments& {
-            return texels_.components[anchor * componentCount() + c].gathered;
-        });
-}
-
-/// Interpolates again from the final samples of the anchors, if these have grown. Emitters are sampled at every texel,
-/// because shadows of small emitters have sharp edges.
-Status LightmapRun::finishInterpolated()
-{
-    std::vector<uint32_t> places;
-    for (std::size_t i = 0; i < size(); ++i) {
-        if (stateAt(i).interpolated) places.push_back(uint32_t(i));
-    }
-    for (int spacing = grid_.step() / 2; plan_.hasTarget() && spacing >= 1; spacing /= 2) {
-        parallelFor(places.size(), 1024, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                SparseGrid::Anchors anchors;
-                if (grid_.spacingOf(texelAt(places[i])) != spacing) continue;
-                grid_.anchorsOf(texelAt(places[i]), anchors);
-                interpolate(anchors, places[i]);
-            }
-        });
-    }
-    if (!input_.paths.light().samplesEmission()) return {};
-    return extend(places, [](FinalGather& gather, const GatherGroup& group, const FinalGather::Estimates& estimates,
-                             uint64_t& rays) { gather.addEmitters(group, 0, estimates, rays); });
 }
 
 /// Adds blocks of texels from `firstBlock` on. `blocks`: their numbers by place.

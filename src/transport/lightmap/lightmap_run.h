@@ -3,15 +3,11 @@
 
 #include "transport/lightmap/batch_gather.h"
 #include "transport/lightmap/sample_plan.h"
-#include "transport/texels/sparse_grid.h"
 
 #include <atomic>
 #include <optional>
 
 namespace halflight {
-
-/// CacheSettings::texelStep, or for 0 the default of a map's size: 1 or 2.
-int texelStepOf(const IntegrationSettings& settings, const TexelMap& map);
 
 /// Everything that a map's texels have in common.
 struct LightmapState {
@@ -47,7 +43,7 @@ struct LightmapInput {
     }
 };
 
-/// Computes the texels of a request and those that they depend on: anchors, and neighbours that the plan reads.
+/// Computes the texels of a request and the neighbours that the plan reads.
 class LightmapRun {
 public:
     /// `scale`: as SamplePlan has it.
@@ -58,11 +54,9 @@ public:
     Status run()
     {
         if (Status s = firstPass(); !s) return s;
-        if (Status s = laterPasses(); !s) return s;
-        return finishInterpolated();
+        return laterPasses();
     }
-    /// First samples of all texels, level by level of the sparse grid. A texel whose anchors show light without detail
-    /// is interpolated.
+    /// First samples of all texels.
     Status firstPass();
     /// Demands of the texels that may take more than the first samples.
     [[nodiscard]] std::vector<TexelDemand> demands() const { return plan_.demands(*wanted_, texels_); }
@@ -75,10 +69,7 @@ public:
 private:
     Status laterPasses();
     Status extendOnDevice(std::span<const uint32_t> places, std::span<const int> blocks, int firstBlock);
-    Status finishInterpolated();
     bool takeFirstPass(uint32_t place);
-    void tryInterpolate(uint32_t place);
-    void interpolate(const SparseGrid::Anchors& anchors, uint32_t place);
     [[nodiscard]] std::size_t componentCount() const { return std::size_t(input_.paths.light().components()); }
     /// The components of the texel at a place.
     [[nodiscard]] std::span<ComponentEstimate> componentsAt(std::size_t place)
@@ -97,7 +88,6 @@ private:
     const Progress& progress_;
     std::atomic<uint64_t>& rays_;
     SamplePlan plan_;
-    SparseGrid grid_;
     TexelStates texels_;
     std::optional<TexelSet> wanted_; ///< texels that may take more than the first samples
 };

@@ -11,7 +11,7 @@
 namespace halflight {
 namespace {
 
-/// First blocks of all traced texels if there is a noise target.
+/// First blocks of all texels if there is a noise target.
 constexpr int kFirstBlocks = 2;
 /// Bounds of a texel's samples relative to the samples asked for, without a noise target.
 constexpr float kFewestTimes = 0.5f;
@@ -57,7 +57,7 @@ std::vector<TexelDemand> SamplePlan::demands(const TexelSet& wanted, const Texel
     parallelFor(demands.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const uint32_t texel = states.texels[i];
-            if (states.states[i].traced() && wanted.contains(texel)) demands[i] = {texel, demand(texel, states)};
+            if (states.states[i].valid && wanted.contains(texel)) demands[i] = {texel, demand(texel, states)};
         }
     });
     std::erase_if(demands, [](const TexelDemand& d) { return d.times == 0.0f; });
@@ -122,7 +122,7 @@ SamplePlan::Noise SamplePlan::noiseAround(uint32_t texel, const TexelStates& sta
     grid_.around(texel, kRadius, [&](uint32_t other) {
         ++texels;
         const TexelState& state = states.of(other);
-        if (!state.traced()) return;
+        if (!state.valid) return;
         const TexelEstimate& e = state.estimate;
         own[count] = std::max(e.gathered.squares, 0.0f) + std::max(e.emitted.squares, 0.0f);
         squares += own[count++];

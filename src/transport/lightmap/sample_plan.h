@@ -14,9 +14,6 @@ namespace halflight {
 struct TexelState {
     TexelEstimate estimate;
     bool valid = false;
-    bool interpolated = false; ///< not traced, but the mean of its anchors
-
-    [[nodiscard]] bool traced() const { return valid && !interpolated; }
 };
 /// Texels with their states.
 struct TexelStates {
@@ -60,7 +57,7 @@ public:
     {
         return hasTarget() ? blocksForTarget(texel, states) : blocksForDemand(texel, states);
     }
-    /// Demands of the traced texels of `wanted`, in ascending order of texels.
+    /// Demands of the valid texels of `wanted`, in ascending order of texels.
     [[nodiscard]] std::vector<TexelDemand> demands(const TexelSet& wanted, const TexelStates& states) const;
     /// The scale with which texels of some demands take the samples asked for on average.
     [[nodiscard]] float scaleOf(std::span<const TexelDemand> demands) const;
@@ -72,7 +69,7 @@ private:
         float variance = 0.0f; ///< of a half-block
         float trimmed = 0.0f;  ///< of a half-block: trimmed mean over the least noisy 80 % of the texels
         float mean = 0.0f;
-        int texels = 0;                 ///< in the neighbourhood, traced or not
+        int texels = 0;                 ///< in the neighbourhood, valid or not
         float meanInverseSquare = 0.0f; ///< of the gather rays' lengths, 1 / m^2
     };
     [[nodiscard]] Noise noiseAround(uint32_t texel, const TexelStates& states) const;

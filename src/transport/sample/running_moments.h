@@ -29,12 +29,6 @@ struct RunningMoments {
     {
         return count > 1 ? std::max(squares, 0.0f) / (float(count) * float(count - 1)) : 0.0f;
     }
-    /// Moments with given results.
-    static RunningMoments of(vec3 mean, vec3 meanMoment, float varianceOfMean, uint32_t count)
-    {
-        const auto n = float(count);
-        return {mean * n, meanMoment * n, varianceOfMean * n * (n - 1.0f), count};
-    }
 };
 
 } // namespace halflight

@@ -177,7 +177,6 @@ TEST_F(CacheTest, TheHashFollowsEverySettingThatTheFileFollows)
     changes("bounces", [](BakeSettings& s) { s.bounces = 3; });
     changes("integrator", [](BakeSettings& s) { s.integrator = IntegratorKind::Path; });
     changes("noise target", [](BakeSettings& s) { s.noiseTarget = 0.02f; });
-    changes("texel step", [](BakeSettings& s) { s.texelStep = 2; });
     changes("UV mode", [](BakeSettings& s) { s.uvMode = UvMode::Unwrap; });
     changes("density", [](BakeSettings& s) { s.texelsPerMeter = 20.0f; });
     changes("size", [](BakeSettings& s) { s.lightmapSize = 256; });

@@ -176,64 +176,6 @@ TEST(DenoiseS6, BrightRimsAreNoOutliers)
     }
 }
 
-/// Where only every other texel is traced, those between have a share of what a lucky path brought the one beside them.
-TEST(DenoiseS6, OutliersLeaveInterpolatedTexels)
-{
-    const OneChart chart(vec2(4), vec2(60));
-    const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 20.0f : 1.0f; };
-    chart.expectEven(chart.denoised([&](const Texel& t) {
-        const int x = t.x;
-        const int y = t.y;
-        const bool odd = x == 41 && y == 41; // traced for some reason, without others around
-        const bool isTraced = odd || (x % 2 == 0 && y % 2 == 0);
-        // The mean of two or four.
-        const float shared = 0.25f * (lightAt(x & ~1, y & ~1) + lightAt((x + 1) & ~1, y & ~1) +
-                                      lightAt(x & ~1, (y + 1) & ~1) + lightAt((x + 1) & ~1, (y + 1) & ~1));
-        const float mean = odd ? 20.0f : shared;
-        const float excess = mean - 1.0f;
-        IrradianceEstimate e;
-        e.irradiance = vec3(mean);
-        e.varianceOfMean = excess * excess + 0.0004f;
-        e.samples = isTraced ? 256 : 0;
-        return e;
-    }));
-}
-
-/// Interpolated texels that differ from all traced ones by more and more: where these' weights are nearly nothing, the
-/// variance of their mean is a number nevertheless. If it were none, all around would stay as noisy as it is.
-TEST(DenoiseS6, FarOffInterpolatedTexelsHaveVariances)
-{
-    const OneChart chart(vec2(4), vec2(60));
-    const auto estimates = chart.denoised([](const Texel& t) {
-        const bool isOdd = t.x % 8 == 2 && t.y % 8 == 3;
-        IrradianceEstimate e;
-        e.irradiance = vec3(isOdd ? 1.0f - 0.005f * float(t.x / 8 + t.y / 8 * 7) : 1.0f);
-        e.varianceOfMean = 0.004f;
-        e.samples = (t.x + t.y) % 2 == 0 ? 256 : 0;
-        return e;
-    });
-    for (const IrradianceEstimate& e : estimates) {
-        EXPECT_GE(e.varianceOfMean, 0.0f);
-        EXPECT_LT(e.varianceOfMean, 0.002f);
-    }
-}
-
-/// Rows of traced texels with rows between: of 5 x 5, too few are traced to tell two dots from light.
-TEST(DenoiseS6, OutliersGoWhereHalfAreInterpolated)
-{
-    const OneChart chart(vec2(4), vec2(60));
-    const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 2.0f : 1.0f; };
-    chart.expectEven(chart.denoised([&](const Texel& t) {
-        const bool isTraced = t.y % 2 == 0;
-        const float shared = 0.5f * (lightAt(t.x, t.y - 1) + lightAt(t.x, t.y + 1));
-        IrradianceEstimate e;
-        e.irradiance = vec3(isTraced ? lightAt(t.x, t.y) : shared);
-        e.varianceOfMean = 0.0004f;
-        e.samples = isTraced ? 32 : 0;
-        return e;
-    }));
-}
-
 /// Texels that differ from all around though their blocks agree: some side by side, from (30, 30) on.
 struct OddTexels {
     int width;

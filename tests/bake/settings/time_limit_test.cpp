@@ -45,7 +45,6 @@ BakeSettings settingsOf()
     BakeSettings settings;
     settings.quality = Quality::Preview;
     settings.lightmapSize = 128;
-    settings.texelStep = 1;
     settings.uvMode = UvMode::Unwrap;
     settings.reflectionProbes = false;
     return settings;

@@ -7,7 +7,6 @@ export const OPTIONS = {
     samples: ['--samples', 'word'],
     noise: ['--noise', 'percent'],
     time: ['--time', 'word'],
-    texelStep: ['--texel-step', 'word'],
     shadowSamples: ['--shadow-samples', 'word'],
     bounces: ['--bounces', 'word'],
     glossyBounces: ['--glossy-bounces', 'switch'],

@@ -13,8 +13,6 @@ export interface BakeSettings {
     noise?: number;
     /** time that the bake may take, such as 30s, 5m or 1.5h: it measures, and chooses --samples */
     time?: number;
-    /** 2 or 4: trace every so many texels whatever is around them, and those in between only where light can change (default auto: 2 in large lightmaps, else 1) */
-    texelStep?: 'auto' | 1 | 2 | 4;
     /** shadow rays per texel and light, for masks and baked light (default by quality); 1..65536 */
     shadowSamples?: number;
     /** most bounces, 0 = direct light only (default: all light); 0..256 */

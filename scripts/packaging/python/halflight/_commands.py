@@ -22,7 +22,6 @@ def bake(
     samples: Optional[int] = None,
     noise: Optional[Union[float, str]] = None,
     time: Optional[Union[float, str]] = None,
-    texel_step: Optional[Literal["auto", 1, 2, 4]] = None,
     shadow_samples: Optional[int] = None,
     bounces: Optional[int] = None,
     glossy_bounces: Optional[bool] = None,
@@ -72,8 +71,6 @@ def bake(
         samples (1..1048576): rays or paths per texel, about (default by quality); with `noise`, the most
         noise (PERCENT): noise at which a texel has enough samples, such as 2% (default: `samples` on average)
         time (TIME): time that the bake may take, such as 30s, 5m or 1.5h: it measures, and chooses `samples`
-        texel_step: 2 or 4: trace every so many texels whatever is around them, and those in between only where light
-            can change (default auto: 2 in large lightmaps, else 1)
         shadow_samples (1..65536): shadow rays per texel and light, for masks and baked light (default by quality)
         bounces (0..256): most bounces, 0 = direct light only (default: all light)
         glossy_bounces: light goes from surface to surface by glTF's BRDF, highlights included; off: as between diffuse
@@ -145,7 +142,6 @@ def bake(
         *_run.option("--samples", samples),
         *_run.option("--noise", noise),
         *_run.option("--time", time),
-        *_run.option("--texel-step", texel_step),
         *_run.option("--shadow-samples", shadow_samples),
         *_run.option("--bounces", bounces),
         *_run.option("--glossy-bounces", glossy_bounces),

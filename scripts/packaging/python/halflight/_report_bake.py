@@ -207,8 +207,6 @@ class BakeReport(Record):
     samples_per_texel: float
     # Relative standard error reached, before denoising.
     noise: float
-    # Texels that are interpolated between traced ones.
-    interpolated_texels: int
     texels_at_sample_limit: int
     quality: BakeQuality
     lightmap: BakeLightmap
