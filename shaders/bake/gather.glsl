@@ -3,10 +3,12 @@
 #ifndef HALFLIGHT_BAKE_GATHER_GLSL
 #define HALFLIGHT_BAKE_GATHER_GLSL
 
-#include "invocation.glsl"
 #include "scene.glsl"
+#ifndef HALFLIGHT_TRACES
+#include "invocation.glsl"
+#endif
 
-#include "bake_gpu/gather_layout.h"
+#include "bake_gpu/gather/gather_layout.h"
 #include "halflight/shading/luminance.h"
 #include "halflight/shading/gather.h"
 #include "halflight/shading/patches.h"
@@ -48,6 +50,7 @@ layout(buffer_reference, scalar) buffer Tables
     AliasBins bins;
     Members members;
     Vectors picture; // of the sky
+    uvec2 paths;     // paths/tables.glsl
     GpuGatherConstants all;
 };
 
@@ -64,13 +67,18 @@ layout(buffer_reference, scalar) buffer Lists
     Vectors sources;    // irradiance without shadows
     Floats passed;      // transmittance of source rays
     SumsList sums;
-    OpenList open;
-    Words counts;       // open rays, rays to sources
+    OpenList open;      // rays that go on as paths
+    OpenList emissive;  // rays that hit an emitter
+    Words counts;       // k…Count
     uint blockCount;
 };
 
+// HALFLIGHT_TRACES: the shader is of a pipeline that traces rays. All of its shaders have the scene first.
 layout(push_constant, scalar) uniform Push
 {
+#ifdef HALFLIGHT_TRACES
+    SceneData scene;
+#endif
     Tables tables;
     Lists lists;
 } push;
@@ -90,10 +98,12 @@ uint rayOf(uint block, int stratum)
     return block / kChunk * kChunk * uint(kPatternBlock) + uint(stratum) * kChunk + block % kChunk;
 }
 
+#ifndef HALFLIGHT_TRACES
 uint invocation()
 {
     return invocationOf(kGroupSize);
 }
+#endif
 
 GpuPoint pointOf(GpuGatherTexel texel, uint block, int stratum)
 {

@@ -100,7 +100,7 @@ void main()
                         ray.origin = point.position;
                         ray.direction = next.direction;
                         ray.tMax = next.distance * kShortOfSurface;
-                        atomicAdd(push.lists.counts.at[1], 1u);
+                        atomicAdd(push.lists.counts.at[kRayCount], 1u);
                     }
                 }
             }

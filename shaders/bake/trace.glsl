@@ -2,6 +2,7 @@
 #ifndef HALFLIGHT_BAKE_TRACE_GLSL
 #define HALFLIGHT_BAKE_TRACE_GLSL
 
+#include "payloads.glsl"
 #include "scene.glsl"
 
 layout(buffer_reference, scalar) buffer Ints { int at[]; };
@@ -14,28 +15,5 @@ layout(push_constant, scalar) uniform Push
     uint byChance; // transmittance: blended surfaces stop rays by chance
 } push;
 
-
-
-
-struct NearestPayload
-{
-    uint face;
-    vec2 barycentric;
-    float distance;
-};
-// Before the ray is traced `face` says which surfaces it meets.
-const uint kAllFaces = 0u;
-const uint kNoHiddenBacks = 1u;
-
-struct ThroughPayload
-{
-    uint depth;  // -log2 of what passes, in units of 2^-16: integers add up in any order
-    uint passed; // 1: nothing stopped the ray
-};
-
-struct SolidsPayload
-{
-    int left; // solids left minus entered
-};
 
 #endif

@@ -6,5 +6,5 @@ layout(location = 0) rayPayloadInEXT ThroughPayload payload;
 
 void main()
 {
-    payload.passed = 1u;
+    payload.state = kPassed;
 }

@@ -14,6 +14,7 @@
 #include "shaders/bake/nearest.rchit.h"
 #include "shaders/bake/nearest.rgen.h"
 #include "shaders/bake/nearest.rmiss.h"
+#include "shaders/bake/paths/paths.rgen.h"
 #include "shaders/bake/transmittance.rahit.h"
 #include "shaders/bake/transmittance.rgen.h"
 #include "shaders/bake/transmittance.rmiss.h"
@@ -65,12 +66,26 @@ std::string BakeDevice::identity() const
     for (const std::span<const uint32_t> shader : std::initializer_list<std::span<const uint32_t>>{
              bake_crossings_rahit, bake_crossings_rgen, bake_fronts_rgen, bake_gather_light_comp, bake_gather_rays_comp,
              bake_gather_sources_comp, bake_gather_sums_comp, bake_nearest_rahit, bake_nearest_rchit, bake_nearest_rgen,
-             bake_transmittance_rahit, bake_transmittance_rgen})
+             bake_paths_paths_rgen, bake_transmittance_rahit, bake_transmittance_rgen})
         hasher.bytes(shader.data(), shader.size_bytes());
     std::string identity = "gpu-" + name() + "-" + device_.driver() + "-" + hasher.hash().hex().substr(0, 8);
     for (char& c : identity)
         if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.') c = '-';
     return identity;
+}
+
+const gpu::RayPipeline& BakeDevice::paths()
+{
+    const std::lock_guard lock(pathsMutex_);
+    if (!paths_)
+        paths_.emplace(device_,
+                       gpu::RayShaders{bake_paths_paths_rgen,
+                                       bake_nearest_rmiss,
+                                       bake_nearest_rchit,
+                                       bake_nearest_rahit,
+                                       {bake_transmittance_rmiss, {}, bake_transmittance_rahit}},
+                       sizeof(TracePush));
+    return *paths_;
 }
 
 const DenoisePipelines& BakeDevice::denoise()

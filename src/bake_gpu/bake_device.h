@@ -37,6 +37,8 @@ public:
     [[nodiscard]] const gpu::ComputePipeline& gatherLight() const { return gatherLight_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSources() const { return gatherSources_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSums() const { return gatherSums_; }
+    /// Continuation paths (shaders/bake/paths/paths.rgen), made when they are first asked for. Throws gpu::Failure.
+    const gpu::RayPipeline& paths();
     /// The denoiser's shaders, made when they are first asked for. Throws gpu::Failure.
     const DenoisePipelines& denoise();
     [[nodiscard]] std::string name() const { return device_.properties().deviceName; }
@@ -53,6 +55,8 @@ private:
     gpu::ComputePipeline gatherLight_;
     gpu::ComputePipeline gatherSources_;
     gpu::ComputePipeline gatherSums_;
+    std::mutex pathsMutex_; ///< guards paths_
+    std::optional<gpu::RayPipeline> paths_;
     std::mutex denoiseMutex_; ///< guards denoise_
     std::optional<DenoisePipelines> denoise_;
 };

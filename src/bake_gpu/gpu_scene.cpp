@@ -55,6 +55,7 @@ GpuScene::GpuScene(gpu::Device& device, const RayScene& scene)
     tree_ = gpu::Tree(device, std::span<const VkAccelerationStructureInstanceKHR>(instances));
     slots_ = bufferOf(device, lists.slots);
     places_ = lists.slots;
+    places_.insert(places_.end(), lists.unseen.begin(), lists.unseen.end());
     std::sort(places_.begin(), places_.end(),
               [](const shading::GpuSlot& a, const shading::GpuSlot& b) { return a.firstHit < b.firstHit; });
     faces_ = bufferOf(device, lists.faces);

@@ -14,6 +14,8 @@ public:
 
     /// Of the block of addresses that shaders read (SceneData in shaders/bake/scene.glsl).
     [[nodiscard]] VkDeviceAddress address() const { return addresses_.address(); }
+    /// Of the positions of BakeGeometry.
+    [[nodiscard]] VkDeviceAddress positions() const { return positions_.address(); }
     /// Number of a hit triangle among the masked ones; shading::kNone of opaque ones.
     [[nodiscard]] uint32_t maskedOf(uint32_t hitIndex) const;
     /// Bytes on the device.

@@ -1,6 +1,6 @@
 #include "bake_gpu/kernels.h"
 
-#include "bake_gpu/gather.h"
+#include "bake_gpu/gather/gather.h"
 
 #include <algorithm>
 #include <cstring>

@@ -3,6 +3,7 @@
 #include "halflight/base/mathematics.h"
 #include "halflight/shading/coverage.h"
 
+#include <algorithm>
 #include <array>
 
 namespace halflight {
@@ -64,7 +65,12 @@ SceneLists::SceneLists(const RayScene& scene) : scene_(scene)
         const MeshTrees::Instance& instance = trees.instances[i];
         addInstance(firstMesh + instance.tree, placesOfTree[instance.tree], instance.place, instance.firstTriangle,
                     [&](std::size_t g) { return scene.hitIndex(KindCount + i, firstOfGeometry[instance.tree][g]); });
+        const MeshTree& tree = trees.trees[instance.tree];
+        const uint32_t begin = tree.firstOfKind[NoShadow];
+        addUnseen(scene.hitIndex(KindCount + i, begin), std::span<const uint32_t>(tree.triangles).subspan(begin),
+                  instance.firstTriangle);
     }
+    addUnseen(scene.hitIndex(NoShadow, 0), scene.trianglesOf(NoShadow), 0);
 }
 
 /// `first`: added to `triangles`, it makes triangles of the bake.
@@ -83,6 +89,19 @@ SceneLists::Place SceneLists::addGeometry(Mesh& mesh, GeometryKind kind, std::sp
     }
     mesh.geometries.push_back(std::move(made));
     return place;
+}
+
+/// Masks of emitters alone are ever read.
+void SceneLists::addUnseen(uint32_t firstHit, std::span<const uint32_t> triangles, uint32_t first)
+{
+    if (triangles.empty()) return;
+    const bool needed = std::any_of(triangles.begin(), triangles.end(), [&](uint32_t t) {
+        const TransportMaterial& material = scene_.materials().of(first + t);
+        return !material.opaque && material.emission != vec3(0.0f);
+    });
+    unseen.push_back({firstHit, first, 0, needed ? uint32_t(masked.size()) : shading::kNone, 0});
+    if (!needed) return;
+    for (const uint32_t t : triangles) masked.push_back(maskedTriangle(first + t, first));
 }
 
 shading::GpuMaskedTriangle SceneLists::maskedTriangle(uint32_t triangle, uint32_t first)

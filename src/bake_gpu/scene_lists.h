@@ -29,7 +29,9 @@ struct SceneLists {
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
     std::vector<shading::GpuSlot> slots; ///< by instance and geometry
-    std::vector<uint8_t> faces;          ///< kFace… of all triangles of the meshes
+    /// Of what rays do not hit: where its masks are, for samples of emitters. No tree has them.
+    std::vector<shading::GpuSlot> unseen;
+    std::vector<uint8_t> faces; ///< kFace… of all triangles of the meshes
     std::vector<shading::GpuMaskedTriangle> masked;
     std::vector<shading::GpuMask> masks;
     std::vector<shading::GpuBytes> pictures;
@@ -42,6 +44,7 @@ private:
         uint32_t masked = shading::kNone;
     };
     Place addGeometry(Mesh& mesh, GeometryKind kind, std::span<const uint32_t> triangles, uint32_t first);
+    void addUnseen(uint32_t firstHit, std::span<const uint32_t> triangles, uint32_t first);
     shading::GpuMaskedTriangle maskedTriangle(uint32_t triangle, uint32_t first);
     uint32_t maskOf(const TransportMaterial& material);
     shading::GpuTextureUse useOf(const TextureRef& ref, int channel, int firstSet);

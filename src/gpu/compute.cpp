@@ -83,13 +83,20 @@ RayPipeline::RayPipeline(Device& device, const RayShaders& shaders, uint32_t pus
         info.generalShader = info.closestHitShader = info.anyHitShader = info.intersectionShader = VK_SHADER_UNUSED_KHR;
         return info;
     };
-    std::array<VkRayTracingShaderGroupCreateInfoKHR, 3> groups{
-        group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR), group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR),
-        group(VK_RAY_TRACING_SHADER_GROUP_TYPE_TRIANGLES_HIT_GROUP_KHR)};
-    groups[0].generalShader = add(VK_SHADER_STAGE_RAYGEN_BIT_KHR, shaders.generate);
-    groups[1].generalShader = add(VK_SHADER_STAGE_MISS_BIT_KHR, shaders.miss);
-    groups[2].closestHitShader = add(VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, shaders.closest);
-    groups[2].anyHitShader = add(VK_SHADER_STAGE_ANY_HIT_BIT_KHR, shaders.any);
+    std::vector<RayShaders::Ends> kinds{{shaders.miss, shaders.closest, shaders.any}};
+    if (!shaders.second.miss.empty()) kinds.push_back(shaders.second);
+    std::vector<VkRayTracingShaderGroupCreateInfoKHR> groups;
+    const auto addGeneral = [&](VkShaderStageFlagBits stage, std::span<const uint32_t> spirv) {
+        groups.push_back(group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR));
+        groups.back().generalShader = add(stage, spirv);
+    };
+    addGeneral(VK_SHADER_STAGE_RAYGEN_BIT_KHR, shaders.generate);
+    for (const RayShaders::Ends& kind : kinds) addGeneral(VK_SHADER_STAGE_MISS_BIT_KHR, kind.miss);
+    for (const RayShaders::Ends& kind : kinds) {
+        groups.push_back(group(VK_RAY_TRACING_SHADER_GROUP_TYPE_TRIANGLES_HIT_GROUP_KHR));
+        groups.back().closestHitShader = add(VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, kind.closest);
+        groups.back().anyHitShader = add(VK_SHADER_STAGE_ANY_HIT_BIT_KHR, kind.any);
+    }
     const VkRayTracingPipelineCreateInfoKHR info{.sType = VK_STRUCTURE_TYPE_RAY_TRACING_PIPELINE_CREATE_INFO_KHR,
                                                  .stageCount = uint32_t(stages.size()),
                                                  .pStages = stages.data(),
@@ -102,29 +109,31 @@ RayPipeline::RayPipeline(Device& device, const RayShaders& shaders, uint32_t pus
                                                  &pipeline),
           "create a pipeline that traces rays");
     pipeline_ = UniquePipeline(device, pipeline);
-    makeTable(device);
+    makeTable(device, uint32_t(kinds.size()));
 }
 
-void RayPipeline::makeTable(Device& device)
+void RayPipeline::makeTable(Device& device, uint32_t kinds)
 {
     const VkPhysicalDeviceRayTracingPipelinePropertiesKHR limits = device.rayLimits();
     const VkDeviceSize handle = limits.shaderGroupHandleSize;
     const VkDeviceSize base = limits.shaderGroupBaseAlignment;
     const VkDeviceSize stride = (handle + base - 1) / base * base;
-    std::vector<std::byte> handles(3 * handle);
-    check(device.vk.GetRayTracingShaderGroupHandlesKHR(device.handle(), pipeline_.get(), 0, 3, handles.size(),
+    const uint32_t groups = 1 + 2 * kinds; // generate, misses, hits
+    std::vector<std::byte> handles(groups * handle);
+    check(device.vk.GetRayTracingShaderGroupHandlesKHR(device.handle(), pipeline_.get(), 0, groups, handles.size(),
                                                        handles.data()),
           "name its shaders");
     // One base more, so that the table may begin at an aligned address.
-    table_ = Buffer(device, 4 * stride, kAddressed | VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR, MemoryUse::Device);
+    table_ = Buffer(device, (groups + 1) * stride, kAddressed | VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR,
+                    MemoryUse::Device);
     const VkDeviceAddress begin = (table_.address() + base - 1) / base * base;
     Uploader uploader(device);
-    for (VkDeviceSize i = 0; i < 3; ++i)
+    for (VkDeviceSize i = 0; i < groups; ++i)
         uploader.buffer(table_, handles.data() + i * handle, handle, begin - table_.address() + i * stride);
     uploader.finish();
     generate_ = {begin, stride, stride};
-    miss_ = {begin + stride, stride, stride};
-    hit_ = {begin + 2 * stride, stride, stride};
+    miss_ = {begin + stride, stride, kinds * stride};
+    hit_ = {begin + (1 + kinds) * stride, stride, kinds * stride};
 }
 
 void RayPipeline::run(VkCommandBuffer commands, std::span<const std::byte> push, uint32_t count) const

@@ -51,12 +51,19 @@ private:
     UniquePipeline pipeline_;
 };
 
-/// The shaders of a pipeline that traces rays: all rays share one miss shader and one hit group.
+/// The shaders of a pipeline that traces rays: all rays share one miss shader and one hit group, unless some are of a
+/// second kind, which has offset 1 in both tables.
 struct RayShaders {
+    struct Ends {
+        std::span<const uint32_t> miss;    ///< empty: there is no such kind
+        std::span<const uint32_t> closest; ///< may be empty
+        std::span<const uint32_t> any;     ///< may be empty
+    };
     std::span<const uint32_t> generate;
     std::span<const uint32_t> miss;
     std::span<const uint32_t> closest; ///< may be empty
     std::span<const uint32_t> any;     ///< may be empty
+    Ends second = {};
 };
 
 class RayPipeline {
@@ -68,12 +75,12 @@ public:
     void run(VkCommandBuffer commands, std::span<const std::byte> push, uint32_t count) const;
 
 private:
-    void makeTable(Device& device);
+    void makeTable(Device& device, uint32_t kinds);
 
     const Device* device_ = nullptr;
     UniquePipelineLayout layout_;
     UniquePipeline pipeline_;
-    Buffer table_; ///< handles of the three groups
+    Buffer table_; ///< handles of all groups
     VkStridedDeviceAddressRegionKHR generate_{};
     VkStridedDeviceAddressRegionKHR miss_{};
     VkStridedDeviceAddressRegionKHR hit_{};

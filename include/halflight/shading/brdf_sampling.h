@@ -15,6 +15,11 @@ HL_FN float ggxAlphaOf(float roughness)
     return square(max(roughness, 0.045f));
 }
 
+// Least perceptual roughness of lobes that carry light from surface to surface. Narrower ones would show small lamps as
+// single bright samples (Kaplanyan and Dachsbacher 2013, "Path Space Regularization for Holistic and Robust Light
+// Transport").
+HL_CONST float kLeastLobeRoughness = 0.3f;
+
 // A normal of the GGX distribution that is visible from v, both in a frame whose +Z is the surface's normal; v.z >= 0.
 // Heitz 2018, "Sampling the GGX Distribution of Visible Normals"; the sampling of the hemisphere is that of Dupuy and
 // Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".

@@ -18,6 +18,16 @@ HL_FN vec3 outOfSurface(vec3 direction, vec3 geometricNormal)
     return direction - (side < 0.0f ? 2.0f * side : 0.0f) * geometricNormal;
 }
 
+// A gather direction: cosine-distributed about the normal, reflected out of the surface if below it.
+HL_FN vec3 gatherDirection(vec3 normal, vec3 geometricNormal, vec2 u)
+{
+    vec3 tangent;
+    vec3 bitangent;
+    orthonormalBasis(normal, tangent, bitangent);
+    vec3 local = sampleCosineHemisphere(u);
+    return outOfSurface(local.x * tangent + local.y * bitangent + local.z * normal, geometricNormal);
+}
+
 // Density of a gather direction per steradian; above 0 for reflected directions too.
 HL_FN float gatherDirectionPdf(vec3 normal, vec3 direction)
 {

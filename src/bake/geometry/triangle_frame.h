@@ -1,6 +1,7 @@
 #pragma once
 
 #include "halflight/bake/integrator.h"
+#include "halflight/shading/rays.h"
 
 #include <array>
 #include <cstdint>
@@ -31,14 +32,7 @@ public:
     }
 
 private:
-    /// The normalized sum; the geometric normal where the sum points to the back. (Smooth normals on coarse meshes, and
-    /// files whose normals contradict the winding, would put the hemisphere inside the surface.)
-    [[nodiscard]] vec3 shadingNormal(vec3 sum) const
-    {
-        const float length = glm::length(sum);
-        const vec3 normal = length > 0.0f ? sum * (1.0f / length) : geometricNormal_;
-        return glm::dot(normal, geometricNormal_) > 0.0f ? normal : geometricNormal_;
-    }
+    [[nodiscard]] vec3 shadingNormal(vec3 sum) const { return shading::shadingNormalOf(sum, geometricNormal_); }
 
     uint32_t triangle_;
     vec3 geometricNormal_;

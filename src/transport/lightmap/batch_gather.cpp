@@ -20,7 +20,7 @@ Status BatchGather::add(std::span<const Request> requests, int firstBlock, const
                         std::atomic<uint64_t>& rays) const
 {
     std::vector<DeviceGather::Sums> sums;
-    std::vector<DeviceGather::Open> open;
+    std::vector<DeviceGather::EmitterHit> emissive;
     for (std::size_t begin = 0; begin < requests.size();) {
         if (progress.cancelled()) return cancelledError();
         std::size_t end = begin;
@@ -32,9 +32,9 @@ Status BatchGather::add(std::span<const Request> requests, int firstBlock, const
         prepare(batch);
         sums.resize(batch.blocks.size());
         uint64_t traced = 0;
-        if (Status s = device_.gather(batch.texels, batch.points, batch.blocks, sums, open, traced); !s) return s;
+        if (Status s = device_.gather(batch.texels, batch.points, batch.blocks, sums, emissive, traced); !s) return s;
         rays += traced;
-        finish(batch, sums, open, rays);
+        finish(batch, sums, emissive, rays);
         progress("lightmap", double(end) / double(requests.size()));
         begin = end;
     }
@@ -74,13 +74,13 @@ void BatchGather::prepare(Batch& batch) const
 }
 
 void BatchGather::finish(const Batch& batch, std::span<const DeviceGather::Sums> sums,
-                         std::span<const DeviceGather::Open> open, std::atomic<uint64_t>& rays) const
+                         std::span<const DeviceGather::EmitterHit> emissive, std::atomic<uint64_t>& rays) const
 {
-    const auto openFrom = [&](std::size_t block) {
-        return open.begin() +
-               (std::lower_bound(open.begin(), open.end(), block,
-                                 [](const DeviceGather::Open& o, std::size_t b) { return o.block < b; }) -
-                open.begin());
+    const auto emissiveFrom = [&](std::size_t block) {
+        return emissive.begin() +
+               (std::lower_bound(emissive.begin(), emissive.end(), block,
+                                 [](const DeviceGather::EmitterHit& hit, std::size_t b) { return hit.block < b; }) -
+                emissive.begin());
     };
     parallelFor(batch.requests.size(), kLanes, [&](std::size_t begin, std::size_t end) {
         FinalGather gather = makeGather();
@@ -96,7 +96,7 @@ void BatchGather::finish(const Batch& batch, std::span<const DeviceGather::Sums>
                 blocks[k] = {batch.firstBlock,
                              first,
                              sums.subspan(first, last - first),
-                             {openFrom(first), openFrom(last)},
+                             {emissiveFrom(first), emissiveFrom(last)},
                              std::span(batch.points).subspan(batch.texels[i + k].firstPoint, kMaxTexelPoints),
                              int(batch.texels[i + k].pointCount),
                              batch.texels[i + k].id,

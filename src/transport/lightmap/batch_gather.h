@@ -31,8 +31,8 @@ public:
 private:
     struct Batch;
     void prepare(Batch& batch) const;
-    void finish(const Batch& batch, std::span<const DeviceGather::Sums> sums, std::span<const DeviceGather::Open> open,
-                std::atomic<uint64_t>& rays) const;
+    void finish(const Batch& batch, std::span<const DeviceGather::Sums> sums,
+                std::span<const DeviceGather::EmitterHit> emissive, std::atomic<uint64_t>& rays) const;
     [[nodiscard]] FinalGather makeGather() const { return {paths_, pattern_, &cache_, &guides_, settings_}; }
 
     const DeviceGather& device_;

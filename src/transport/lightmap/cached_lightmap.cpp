@@ -34,7 +34,7 @@ Status CachedLightmap::prepare(const Progress& progress, std::atomic<uint64_t>& 
     if (Status s = store_.computed(kRadianceStage, *state, compute); !s) return s;
     if (settings_.bounces > 0 && paths_.light().components() == 0) {
         auto device = paths_.surfaces().kernels().prepareGather(
-            {paths_.surfaces(), paths_.light().sky(), pattern_, state->cache, state->guides, settings_.seed});
+            {paths_, pattern_, state->cache, state->guides, settings_.seed, settings_.bounces});
         if (!device) return device.error();
         state->device = std::move(*device);
     }

@@ -3,7 +3,6 @@
 
 #include "transport/guiding/guides.h"
 #include "transport/radiosity/radiance_cache.h"
-#include "transport/sample/sky_light.h"
 #include "transport/sample/stratified_pattern.h"
 
 #include <array>
@@ -14,16 +13,16 @@ namespace halflight {
 
 /// What the gather reads; all of it outlives the gather.
 struct GatherTables {
-    const RayTracer& surfaces;
-    const SkyLight& sky;
+    const PathTracer& paths;
     const StratifiedPattern& pattern;
     const RadianceCache& cache;
     const Guides& guides;
     uint32_t seed = 1;
+    int bounces = kAllBounces;
 };
 
-/// Traces gather rays and rays to secondary sources, as FinalGather does. What is rare or unbounded it leaves to the
-/// processor: rays that hit no patch, or one too near, and emitters that rays hit.
+/// Traces gather rays with their continuation paths, and rays to secondary sources, as FinalGather does. It leaves
+/// emitters to the processor: samples of them, and what they send along rays that hit them.
 class DeviceGather {
 public:
     virtual ~DeviceGather() = default;
@@ -54,24 +53,22 @@ public:
         std::array<Half, 2> halves;
         float inverseSquares = 0.0f;
     };
-    /// A ray that the processor finishes. Its radiance is not in the sums; of one that hits an emitter, what the
-    /// surface reflects is.
-    struct Open {
+    /// A ray that hits an emitter. What the surface reflects is in the sums, what it emits is not.
+    struct EmitterHit {
         uint32_t block = 0; ///< index into the list of blocks
-        uint32_t stratum : 31 = 0;
-        uint32_t reflectionIsIn : 1 = 0;
+        uint32_t stratum = 0;
         FaceId face;
         vec2 barycentric{0.0f};
         float distance = 0.0f;
         vec3 direction{0.0f};
     };
-    static_assert(sizeof(Open) == 36);
+    static_assert(sizeof(EmitterHit) == 36);
 
     /// Most blocks of one call.
     static constexpr std::size_t kMostBlocks = 65536;
-    /// `open` gets the open rays in the order of blocks and strata. Any thread may call it.
+    /// `emissive` gets the rays that hit emitters in the order of blocks and strata. Any thread may call it.
     virtual Status gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
-                          std::span<Sums> sums, std::vector<Open>& open, uint64_t& rays) const = 0;
+                          std::span<Sums> sums, std::vector<EmitterHit>& emissive, uint64_t& rays) const = 0;
 };
 
 } // namespace halflight

@@ -185,41 +185,40 @@ void FinalGather::finish(const TexelMap& map, std::span<const uint32_t> texels, 
                          uint64_t& rays)
 {
     if (!paths_.light().samplesEmission()) {
-        for (std::size_t lane = 0; lane < texels.size(); ++lane) finish(blocks[lane], nullptr, lane, rays);
+        for (std::size_t lane = 0; lane < texels.size(); ++lane) finish(blocks[lane], nullptr, lane);
         return;
     }
     const GatherGroup group(paths_, map, texels);
     next_.prepareEmitters(group);
     std::array<TexelEstimate, kLanes> estimates;
     for (std::size_t lane = 0; lane < texels.size(); ++lane) {
-        finish(blocks[lane], &next_.cut(), lane, rays);
+        finish(blocks[lane], &next_.cut(), lane);
         estimates[lane] = *blocks[lane].estimate;
     }
     addEmitters(group, blocks[0].firstBlock, {estimates, {}}, rays);
     for (std::size_t lane = 0; lane < texels.size(); ++lane) *blocks[lane].estimate = estimates[lane];
 }
 
-void FinalGather::finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane, uint64_t& rays)
+void FinalGather::finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane) const
 {
     if (blocks.pointCount == 0) return;
-    std::size_t open = 0;
+    std::size_t next = 0; // of the hits
     for (std::size_t b = 0; b < blocks.sums.size(); ++b) {
         DeviceGather::Sums sums = blocks.sums[b];
         const int number = blocks.firstBlock + int(b);
-        for (; open < blocks.open.size() && blocks.open[open].block == blocks.number + b; ++open) {
-            const DeviceGather::Open& o = blocks.open[open];
-            const int stratum = int(o.stratum);
+        for (; next < blocks.emissive.size() && blocks.emissive[next].block == blocks.number + b; ++next) {
+            const DeviceGather::EmitterHit& hit = blocks.emissive[next];
+            const int stratum = int(hit.stratum);
             const DeviceGather::Point& from =
                 blocks.points[std::size_t(shading::gatherPointOf(blocks.id, blocks.pointCount, number, stratum))];
-            const RayFrom ray{{from.position, from.normal, cut, lane},
-                              o.direction,
-                              {o.face, o.barycentric, o.distance, vec3(1.0f)},
-                              blocks.id,
-                              uint32_t(number * StratifiedPattern::kBlock + stratum)};
-            const vec3 irradiance = kPi * (o.reflectionIsIn != 0 ? emission(ray) : continuation(ray, rays));
-            DeviceGather::Half& half = sums.halves[shading::patternHalf(uint32_t(stratum))];
+            const vec3 irradiance = kPi * emission({{from.position, from.normal, cut, lane},
+                                                    hit.direction,
+                                                    {hit.face, hit.barycentric, hit.distance, vec3(1.0f)},
+                                                    blocks.id,
+                                                    uint32_t(number * StratifiedPattern::kBlock + stratum)});
+            DeviceGather::Half& half = sums.halves[shading::patternHalf(hit.stratum)];
             half.irradiance += irradiance;
-            half.moment += luminance(irradiance) * o.direction;
+            half.moment += luminance(irradiance) * hit.direction;
         }
         BlockSums::end(sums, *blocks.estimate, blocks.estimate->gathered);
     }

@@ -30,13 +30,14 @@ public:
         int firstBlock = 0;
         std::size_t number = 0; ///< of the first one in the device's list
         std::span<const DeviceGather::Sums> sums;
-        std::span<const DeviceGather::Open> open;
+        std::span<const DeviceGather::EmitterHit> emissive;
         std::span<const DeviceGather::Point> points;
         int pointCount = 0; ///< 0 = the texel is not traced
         uint32_t id = 0;    ///< texelId()
         TexelEstimate* estimate = nullptr;
     };
-    /// Finishes open rays, and adds the blocks and their emitter samples to the estimates of up to eight texels.
+    /// Adds what rays receive of emitters, and then the blocks and their emitter samples to the estimates of up to
+    /// eight texels.
     void finish(const TexelMap& map, std::span<const uint32_t> texels, std::span<const TracedBlocks> blocks,
                 uint64_t& rays);
 
@@ -59,7 +60,7 @@ private:
     [[nodiscard]] RayFrom rayOf(const GatherGroup& group, int lane, int number, int stratum) const;
     [[nodiscard]] vec3 emission(const RayFrom& ray) const;
     [[nodiscard]] vec3 continuation(const RayFrom& ray, uint64_t& rays);
-    void finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane, uint64_t& rays);
+    void finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane) const;
 
     const PathTracer& paths_;
     const StratifiedPattern& pattern_;

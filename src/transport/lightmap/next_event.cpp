@@ -165,7 +165,7 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
         const bool whole = block.components.count() == 0;
         const float gathered = whole ? luminance(estimates[lane].gathered.mean()) : 0.0f;
         const float expected = cut_.total[lane] + skyIlluminance;
-        const float survival = DirectLight::rouletteSurvival(expected, gathered);
+        const float survival = shading::rouletteSurvival(expected, gathered);
         if (skyIlluminance > 0.0f)
             skyShare[lane] = paths_.light().emitters().empty() ? 1.0f : skyIlluminance / expected;
         const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));

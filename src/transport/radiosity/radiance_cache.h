@@ -79,6 +79,10 @@ public:
     /// By patch and element.
     [[nodiscard]] std::span<const PatchRadiance> patches() const { return patches_; }
 
+    [[nodiscard]] const Levels& levels() const { return levels_; }
+    [[nodiscard]] int bounces() const { return bounces_; }
+    [[nodiscard]] bool converged() const { return converged_; }
+
     /// Radiance of a patch, or of its element, at the end of a ray; null if the ray is too short.
     [[nodiscard]] const PatchRadiance* find(const RayEnd& end, PatchId patch) const
     {

@@ -8,27 +8,17 @@
 namespace halflight {
 
 using shading::powerHeuristic;
+using shading::rouletteSurvival;
 
-/// Origin of shadow rays on the curved surface that the vertex normals describe, so that the terminator does not show
-/// the triangles (Hanika 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4).
+/// Origin of shadow rays.
 static vec3 smoothOrigin(const BakeGeometry& geometry, const SurfacePoint& point)
 {
     const std::array<vec3, 3> normals = geometry.normalsOf(point.triangle);
     const std::array<vec3, 3> corners = geometry.cornersOf(point.triangle);
-    const float weights[3] = {1.0f - point.barycentric.x - point.barycentric.y, point.barycentric.x,
-                              point.barycentric.y};
-    if (normals[0] == normals[1] && normals[0] == normals[2]) {
-        return point.position;
-    }
-    const bool flipped = glm::dot(geometry.geometricNormal(point.triangle), point.geometricNormal) < 0.0f;
-    vec3 position = point.position;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const vec3 n = flipped ? -normals[i] : normals[i];
-        if (glm::dot(n, point.geometricNormal) <= 0.0f) return point.position;
-        const float below = std::min(0.0f, glm::dot(point.position - corners[i], n));
-        position -= weights[i] * below * n;
-    }
-    return position;
+    const vec3 weights(1.0f - point.barycentric.x - point.barycentric.y, point.barycentric);
+    const bool turned = glm::dot(geometry.geometricNormal(point.triangle), point.geometricNormal) < 0.0f;
+    return shading::pointOnCurvedSurface(point.position, weights, corners[0], corners[1], corners[2], normals[0],
+                                         normals[1], normals[2], point.geometricNormal, turned);
 }
 
 vec3 DirectLight::shadowOrigin(const SurfacePoint& point, uint64_t& rays) const
@@ -62,7 +52,7 @@ vec3 DirectLight::lightVisibility(const PunctualLight& light, const SurfacePoint
 vec3 DirectLight::lightVisibilityInSpace(const PunctualLight& light, vec3 position, const LightRay& ray,
                                          uint64_t& rays) const
 {
-    if (!light.castShadows) return vec3(1.0f);
+    if (light.castShadows == 0) return vec3(1.0f);
     ++rays;
     return tracer_.transmittance(position, ray.direction, 0.0f, ray.distance * kShortOfSurface);
 }

@@ -4,8 +4,6 @@
 #include "transport/sample/scene_light.h"
 #include "transport/sample/specular_lobe.h"
 
-#include <algorithm>
-
 namespace halflight {
 
 /// Estimates of direct light, one sample and at most one shadow ray each. `rays` counts the rays.
@@ -32,14 +30,6 @@ public:
                                    uint64_t& rays) const;
     EmitterAtSurface emitterIrradiance(const SurfacePoint& point, float otherIlluminance, Sampler& sampler,
                                        uint64_t& rays) const;
-    /// Probability of sampling emitters that give about `emitted` (lux) beside other light (Arvo and Kirk 1990,
-    /// "Particle Transport and Image Synthesis").
-    static float rouletteSurvival(float emitted, float otherIlluminance)
-    {
-        constexpr float kLeast = 0.1f; // of the probability, and the share of other light from which on it is 1
-        return otherIlluminance > 0.0f ? std::clamp(emitted / (kLeast * otherIlluminance), kLeast, 1.0f) : 1.0f;
-    }
-
     /// One emitter sample at a point in space: radiance / pdf (per steradian) with its MIS weight, and its direction.
     struct EmitterInSpace {
         vec3 direction{0.0f};
@@ -73,7 +63,7 @@ public:
     /// Whether the light, the object and the material cast and receive shadows.
     [[nodiscard]] bool shadowsFall(const PunctualLight& light, const SurfacePoint& point) const
     {
-        return light.castShadows && tracer_.geometry().partOf(point.triangle).receiveShadows;
+        return light.castShadows != 0 && tracer_.geometry().partOf(point.triangle).receiveShadows;
     }
 
 private:

@@ -103,7 +103,6 @@ public:
     /// Density of sample() on a triangle, per square metre; 0 for triangles that do not emit.
     [[nodiscard]] float pdfArea(const Receiver& receiver, uint32_t triangle) const;
 
-private:
     /// An emissive triangle with everything that a sample reads.
     struct Emissive {
         vec3 origin{0.0f};
@@ -118,10 +117,14 @@ private:
         bool rayVisible = true;
         int component = 0;
     };
-    void shareAmongComponents(std::vector<LightItem>& items, int count) const;
+    [[nodiscard]] std::span<const Emissive> all() const { return triangles_; }
+    [[nodiscard]] const LightTree& tree() const { return tree_; } ///< its items are those of all()
     static constexpr uint32_t kNone = ~0u;
-    /// Index into triangles_, or kNone.
+    /// Index into all(), or kNone.
     [[nodiscard]] uint32_t itemOf(uint32_t triangle) const;
+
+private:
+    void shareAmongComponents(std::vector<LightItem>& items, int count) const;
     [[nodiscard]] float meanEmission(const TransportMaterial& material, uint32_t triangle) const;
     [[nodiscard]] inline EmitterSample at(const LightTree::Choice& choice, float v) const;
 

@@ -1,6 +1,7 @@
 #pragma once
 // Importance sampling of many lights in logarithmic time.
 
+#include "transport/sample/light_walk.h"
 #include "transport/sample/stratified_pattern.h"
 #include "transport/trace/lanes.h"
 
@@ -25,6 +26,14 @@ struct LightItem {
     float range = 0.0f; ///< metres; no light beyond; 0 = unlimited
 };
 
+namespace shading {
+/// For light_walk.h.
+inline const LightNode& lightNodeAt(const std::vector<LightNode>& nodes, uint node)
+{
+    return nodes[node];
+}
+} // namespace shading
+
 /// Bounding volume hierarchy over lights (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
 /// Adaptive Tree Splitting"). sample() descends from the root, at each node in proportion to the unshadowed
 /// contribution that its children may have. It has probability 0 for lights whose range ends before the receiver.
@@ -35,6 +44,9 @@ public:
     LightTree() = default;
     explicit LightTree(std::span<const LightItem> items);
     [[nodiscard]] bool empty() const { return nodes_.empty(); }
+    /// The first one is the root.
+    [[nodiscard]] std::span<const shading::LightNode> nodes() const { return nodes_; }
+    [[nodiscard]] std::span<const uint32_t> leafOfItem() const { return leafOfItem_; }
 
     struct Choice {
         uint32_t item = ~0u;
@@ -69,37 +81,14 @@ public:
     [[nodiscard]] float probability(const Cut& cut, std::size_t lane, uint32_t item, vec3 position, vec3 normal) const;
 
 private:
-    struct Node {
-        vec3 center{0.0f};
-        float radius = 0.0f; ///< of the sphere around the bounds
-        vec3 axis{0.0f};
-        float cosSpread = 1.0f;
-        float sinSpread = 0.0f;
-        float power = 0.0f;
-        float range = 0.0f;  ///< largest of its lights; 0 = unlimited
-        uint32_t second = 0; ///< second child (the first follows its parent); of a leaf, the item
-        uint32_t parent = ~0u;
-        bool leaf = false;
-        bool twoSided = false;
-    };
+    using Node = shading::LightNode;
     struct BuildItem;
     static Node nodeOf(std::span<const BuildItem> items);
     static std::size_t split(std::span<BuildItem> items);
     uint32_t build(std::span<BuildItem> items, uint32_t parent);
-    static float sineOf(float cosine) { return std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)); }
-    static float cosineOfDifference(float cosA, float cosB, float sinB);
-    [[nodiscard]] static inline float importance(const Node& node, vec3 position, vec3 normal);
     using Weights = Cut::Lanes<float>;
     [[nodiscard]] Weights importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                      const Points& normals) const;
-    /// Nodes that a traversal chooses among: two levels per step, as the bounds of four nodes tell more than those of
-    /// two. Of a child that is a leaf, the leaf itself.
-    struct Step {
-        std::array<uint32_t, 4> node{};
-        std::array<float, 4> probability{}; ///< all zero if no light is in range
-        std::size_t count = 0;
-    };
-    [[nodiscard]] Step stepFrom(uint32_t node, vec3 position, vec3 normal) const;
     /// Probability of an item given the root, or given the node of the cut above it, whose index is written.
     float climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 position, vec3 normal,
                 std::size_t& cutIndex) const;

@@ -99,22 +99,24 @@ LightTree::Node LightTree::nodeOf(std::span<const BuildItem> items)
 {
     Bounds bounds;
     Cone cone{items[0].light.axis, items[0].light.cosSpread};
-    Node node;
+    Node node{};
     bool unlimited = false;
+    bool twoSided = false;
     for (const BuildItem& item : items) {
         bounds.extend(item.light.bounds);
         cone = uniteCones(cone, {item.light.axis, item.light.cosSpread});
         node.power += item.light.power;
         node.range = std::max(node.range, item.light.range);
         unlimited = unlimited || item.light.range <= 0.0f;
-        node.twoSided = node.twoSided || item.light.twoSided;
+        twoSided = twoSided || item.light.twoSided;
     }
     if (unlimited) node.range = 0.0f;
     node.center = bounds.center();
     node.radius = 0.5f * glm::length(bounds.size());
     node.axis = cone.axis;
     node.cosSpread = cone.cosine;
-    node.sinSpread = sineOf(cone.cosine);
+    node.sinSpread = shading::sineOfCosine(cone.cosine);
+    node.twoSided = twoSided ? 1 : 0;
     return node;
 }
 
@@ -170,12 +172,12 @@ uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
     Node node = nodeOf(items);
     node.parent = parent;
     if (items.size() == 1) {
-        node.leaf = true;
+        node.leaf = 1;
         node.second = items[0].index;
         leafOfItem_[items[0].index] = number;
     }
     nodes_.push_back(node);
-    if (node.leaf) return number;
+    if (node.leaf != 0) return number;
     const std::size_t leftCount = split(items);
     build(items.first(leftCount), number);
     const uint32_t second = build(items.subspan(leftCount), number);

@@ -30,7 +30,7 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use, cons
         }
         p.radius = light.type == LightType::Directional ? 0.0f : light.radiusMeters;
         p.tanAngularRadius = light.type == LightType::Directional ? math::tan(light.angularRadiusRadians) : 0.0f;
-        p.castShadows = light.castShadows;
+        p.castShadows = light.castShadows ? 1 : 0;
         p.shadowStrength = light.shadowStrength;
         if (use == LightUse::Reference) {
             p.directAtTexels = p.directAtProbes = p.bounces = true;
@@ -53,33 +53,6 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use, cons
         lights.push_back(p);
     }
     return lights;
-}
-
-LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc)
-{
-    if (light.type == shading::kLightDirectional) {
-        if (light.tanAngularRadius <= 0.0f) return {-light.axis, 1.0e30f};
-        const vec3 offset = light.tanAngularRadius * (disc.x * light.tangent + disc.y * light.bitangent);
-        return {glm::normalize(offset - light.axis), 1.0e30f};
-    }
-    vec3 toLight = light.position - origin;
-    if (light.isArea()) {
-        const shading::AreaSample point = shading::sampleAreaLight(light.type, toLight, light.halfWidth,
-                                                                   light.halfHeight, shading::squareOfDisc(disc));
-        const float distance = std::max(glm::length(point.position), 1.0e-20f);
-        return {point.position / distance, distance, point.solidAngle};
-    }
-    if (light.radius > 0.0f) {
-        const float length = glm::length(toLight);
-        if (length > 0.0f) {
-            vec3 tangent;
-            vec3 bitangent;
-            shading::orthonormalBasis(toLight / length, tangent, bitangent);
-            toLight += light.radius * (disc.x * tangent + disc.y * bitangent);
-        }
-    }
-    const float distance = std::max(glm::length(toLight), 1.0e-20f);
-    return {toLight / distance, distance};
 }
 
 LightTree punctualTree(const std::vector<PunctualLight>& lights, int component, std::vector<uint32_t>& itemLights)

@@ -5,8 +5,7 @@
 
 #include "halflight/bake/integrator.h"
 #include "halflight/scene/scene.h"
-#include "halflight/shading/area_sampling.h"
-#include "halflight/shading/light.h"
+#include "halflight/shading/light_source.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,35 +19,21 @@ inline vec3 irradianceOn(vec3 normal, const shading::LightSample& light)
     return light.illuminance * std::max(glm::dot(normal, light.direction), 0.0f);
 }
 
-/// Ray from a receiver to a point of a light.
-struct LightRay {
-    vec3 direction{0.0f};
-    float distance = 0.0f;
-    /// Area lights: steradians that the point stands for, 1 / pdf; 0 = the sample misses the light.
-    float solidAngle = 0.0f;
-};
+using shading::LightRay;
 
 /// A light of the scene. Lights with a radius or an angle light a surface as if they were a point, and their size shows
 /// in shadows alone; area lights (isArea()) are surfaces in both.
-struct PunctualLight {
-    int type = shading::kLightPoint;
-    vec3 colorIntensity{0.0f}; ///< cd/m2 of an area light
-    vec3 position{0.0f};
-    vec3 axis{0.0f};
-    vec3 tangent{0.0f}; ///< with bitangent and axis an orthonormal basis
-    vec3 bitangent{0.0f};
-    float range = 0.0f;
+struct PunctualLight : shading::LightSource {
+    PunctualLight() : LightSource{}
+    {
+        type = shading::kLightPoint;
+        castShadows = 1;
+        shadowStrength = indirectMultiplier = 1.0f;
+    }
+
     float reach = 0.0f; ///< metres covered by the light's mask channel; 0 = unlimited
-    vec2 spotConstants{0.0f};
     float cosOuterCone = -1.0f;
-    vec3 halfWidth{0.0f}; ///< area lights: along their X and Y, metres
-    vec3 halfHeight{0.0f};
-    float area = 1.0f;             ///< m2 of an area light; 1 for others
-    float radius = 0.0f;           ///< metres; point and spot
-    float tanAngularRadius = 0.0f; ///< directional
-    bool castShadows = true;
-    float shadowStrength = 1.0f;
-    float indirectMultiplier = 1.0f;
+    float area = 1.0f;           ///< m2 of an area light; 1 for others
     bool directAtTexels = false; ///< the lightmap contains its direct light
     bool directAtProbes = false; ///< the probes contain its direct light
     bool bounces = false;        ///< its bounced light is baked
@@ -66,10 +51,7 @@ struct PunctualLight {
         return type == shading::kLightDirectional ? -axis : position - point;
     }
     /// Illuminance and direction at an unoccluded point; not of area lights.
-    [[nodiscard]] shading::LightSample at(vec3 point) const
-    {
-        return shading::sampleLight(type, colorIntensity, position, axis, range, spotConstants, point);
-    }
+    [[nodiscard]] shading::LightSample at(vec3 point) const { return shading::lightAt(*this, point); }
     /// Unoccluded irradiance.
     [[nodiscard]] vec3 irradianceAt(vec3 point, vec3 normal) const
     {
@@ -78,11 +60,7 @@ struct PunctualLight {
         return radianceAt(point) * shading::areaIrradiance(type, normal, toCenter, halfWidth, halfHeight);
     }
     /// Radiance of an area light as a point receives it: by the range's window.
-    [[nodiscard]] vec3 radianceAt(vec3 point) const
-    {
-        const vec3 toCenter = position - point;
-        return colorIntensity * shading::rangeWindow(glm::dot(toCenter, toCenter), range);
-    }
+    [[nodiscard]] vec3 radianceAt(vec3 point) const { return shading::areaRadianceAt(*this, point); }
     /// About the steradians of an area light that reaches a point, at least those of its middle. More than 0.
     [[nodiscard]] float roughSolidAngle(vec3 point) const
     {
@@ -121,8 +99,7 @@ enum class LightUse {
 };
 std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use, const LightComponents& components = {});
 
-/// Ray from `origin` to a point of an area light, of a light's sphere or of the sun's disc; `disc` is in the unit disc.
-LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc);
+using shading::sampleLightRay;
 
 /// Tree over the lights of a component that bounce, without directional ones; `itemLights` receives the light of each
 /// item.

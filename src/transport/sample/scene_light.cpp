@@ -36,15 +36,8 @@ namespace {
 auto irradianceOf(const SurfacePoint& point, bool direct)
 {
     return [&point, direct](const PunctualLight& light, vec2 disc, float probability) {
-        if (light.isArea()) {
-            const LightRay ray = sampleLightRay(light, point.position, disc);
-            return light.irradianceBy(ray, point.position, point.normal) *
-                   ((direct ? 1.0f : light.indirectMultiplier) / probability);
-        }
-        const shading::LightSample s = light.at(point.position);
-        const float cosine = glm::dot(point.normal, s.direction);
-        if (cosine <= 0.0f) return vec3(0.0f);
-        return s.illuminance * (cosine * (direct ? 1.0f : light.indirectMultiplier) / probability);
+        return shading::sampledIrradiance(light, point.position, point.normal, disc,
+                                          direct ? 1.0f : light.indirectMultiplier, probability);
     };
 }
 

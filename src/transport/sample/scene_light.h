@@ -15,14 +15,10 @@
 
 namespace halflight {
 
-/// Share of a light that its shadow leaves, by colour.
-inline vec3 shadowOf(const PunctualLight& light, vec3 transmittance)
-{
-    const auto of = [&](float share) { return glm::mix(1.0f, share, light.shadowStrength); };
-    return {of(transmittance.x), of(transmittance.y), of(transmittance.z)};
-}
+using shading::shadowOf;
 
-/// The same share for what has no colour, as masks: of coloured light that of its luminance.
+/// The share of a light that its shadow leaves for what has no colour, as masks: of coloured light that of its
+/// luminance.
 inline float grayOf(vec3 transmittance)
 {
     const bool gray = transmittance.x == transmittance.y && transmittance.x == transmittance.z;
@@ -97,13 +93,15 @@ public:
     template<typename Contribution> LightChoice chooseLightFrom(std::size_t chooser, const SurfacePoint& point,
                                                                 Sampler& sampler, Contribution contribution) const;
 
-private:
     /// The lights of a component that bounce.
     struct Chooser {
         LightTree tree; ///< empty if they are few
         std::vector<uint32_t> lightOfItem;
         std::vector<uint32_t> always; ///< lights that are not in the tree
     };
+    [[nodiscard]] const Chooser& chooser(std::size_t number) const { return choosers_[number]; }
+
+private:
     void addChooser(int component);
     /// `total`: receives the sum of the contributions' luminances.
     template<typename Contribution> LightChoice chooseFrom(const Chooser& chooser, const SurfacePoint& point, float u,
@@ -121,41 +119,24 @@ private:
     SkyLight sky_;
 };
 
-// One light per call, chosen in proportion to the unshadowed contributions (Shirley et al. 1996, "Monte Carlo
-// Techniques for Direct Lighting Calculations", section 5). The choice is a weighted reservoir of size one (Chao 1982,
-// "A General Purpose Unequal Probability Sampling Plan"): each light rescales the random number, so any number of
-// lights needs no memory. If lights are many, one point or spot light of the tree enters the reservoir, with
-// contribution / probability.
+// One light per call (shading::LightReservoir). If lights are many, one point or spot light of the tree enters the
+// reservoir, with contribution / probability.
 template<typename Contribution>
 SceneLight::LightChoice SceneLight::chooseFrom(const Chooser& chooser, const SurfacePoint& point, float u, vec2 disc,
                                                Sampler& sampler, Contribution contribution, float& total) const
 {
-    total = 0.0f;
-    float chosenWeight = 0.0f;
-    const PunctualLight* chosen = nullptr;
-    vec3 chosenContribution(0.0f);
-    const auto consider = [&](const PunctualLight& light, float probability) {
-        const vec3 unshadowed = contribution(light, disc, probability);
-        const float weight = luminance(unshadowed);
-        if (weight <= 0.0f) return;
-        total += weight;
-        const float take = weight / total;
-        if (u < take) {
-            chosen = &light;
-            chosenWeight = weight;
-            chosenContribution = unshadowed;
-            u /= take;
-        } else {
-            u = (u - take) / (1.0f - take);
-        }
+    shading::LightReservoir reservoir = shading::lightReservoir(u);
+    const auto consider = [&](uint32_t index, float probability) {
+        shading::considerLight(reservoir, index, contribution(lights_[index], disc, probability));
     };
-    for (const uint32_t index : chooser.always) consider(lights_[index], 1.0f);
+    for (const uint32_t index : chooser.always) consider(index, 1.0f);
     if (!chooser.tree.empty()) {
         const LightTree::Choice choice = chooser.tree.sample(point.position, point.normal, sampler.next1());
-        if (choice.probability > 0.0f) consider(lights_[chooser.lightOfItem[choice.item]], choice.probability);
+        if (choice.probability > 0.0f) consider(chooser.lightOfItem[choice.item], choice.probability);
     }
-    if (chosen == nullptr) return {};
-    return {chosen, chosenContribution * (total / chosenWeight), disc};
+    total = reservoir.total;
+    if (reservoir.chosen == ~0u) return {};
+    return {&lights_[reservoir.chosen], shading::contributionOfChosen(reservoir), disc};
 }
 
 template<typename Contribution> SceneLight::LightChoice

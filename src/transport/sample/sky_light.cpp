@@ -35,10 +35,11 @@ void SkyLight::findBrightAreas()
     std::vector<double> weights;
     double total = 0.0;
     for (int row = 0; row <= picture_->height(); ++row) {
-        const vec2 range = rowRange(row);
+        const vec2 range = shading::skyRowRange(row, picture_->height());
         const double steradians = 4.0 * double(kPi) * skyShareBetween(range.x, range.y) / width;
         for (int column = 0; column < width; ++column) {
-            const double weight = double(brightLuminance(areaAt(column, row, vec2(0.0f)))) * steradians;
+            const double weight =
+                double(brightLuminance(shading::skyArea(column, row, vec2(0.0f), picture_->size()))) * steradians;
             if (!(weight > 0.0)) continue;
             areas_.push_back(uint32_t(row) * uint32_t(width) + uint32_t(column));
             weights.push_back(weight);
@@ -51,25 +52,9 @@ void SkyLight::findBrightAreas()
     brightIlluminance_ = float(total);
 }
 
-vec2 SkyLight::rowRange(int row) const
-{
-    const auto height = float(picture_->height());
-    return {std::max(float(row) - 0.5f, 0.0f) / height, std::min(float(row) + 0.5f, height) / height};
-}
-
-SkyLight::Place SkyLight::areaAt(int column, int row, vec2 between) const
-{
-    const int width = picture_->width();
-    const int height = picture_->height();
-    return {{column, std::max(row - 1, 0)}, {(column + 1) % width, std::min(row, height - 1)}, between};
-}
-
 SkyLight::Place SkyLight::placeOf(vec3 direction) const
 {
-    const vec2 at = shading::skyPictureUv(direction, turn_) * vec2(picture_->size()) + vec2(-0.5f, 0.5f);
-    const vec2 low = glm::floor(at);
-    const int width = picture_->width();
-    return areaAt((int(low.x) + width) % width, std::clamp(int(low.y), 0, picture_->height()), at - low);
+    return shading::skyPlaceOf(direction, turn_, picture_->size());
 }
 
 template<typename Value> vec3 SkyLight::interpolate(const Place& place, const Value& value) const
@@ -83,8 +68,7 @@ template<typename Value> vec3 SkyLight::interpolate(const Place& place, const Va
 
 float SkyLight::dimShare(vec3 texel) const
 {
-    const float bright = luminance(texel);
-    return bright > limit_ ? limit_ / bright : 1.0f;
+    return shading::skyDimShare(texel, limit_);
 }
 
 vec3 SkyLight::pictureRadiance(vec3 direction) const
@@ -115,17 +99,12 @@ SkyLight::Sample SkyLight::sample(vec2 u) const
     u.x = std::min(u.x - float(bin), 0x1.fffffep-1f);
     bin += bins_[bin].select(u.x);
     const auto width = uint32_t(picture_->width());
-    const int column = int(areas_[bin] % width);
-    const int row = int(areas_[bin] / width);
-    const vec2 range = rowRange(row);
-    const float cosine = glm::mix(math::cos(range.x * kPi), math::cos(range.y * kPi), u.y);
-    const vec2 uv((float(column) + 0.5f + u.x) / float(width), math::acos(std::clamp(cosine, -1.0f, 1.0f)) / kPi);
-    const float down = uv.y * float(picture_->height()) + 0.5f - float(row);
-    const Place place = areaAt(column, row, vec2(u.x, std::clamp(down, 0.0f, 1.0f)));
+    const shading::SkyPoint point =
+        shading::skyPointOf(int(areas_[bin] % width), int(areas_[bin] / width), u, turn_, picture_->size());
     Sample result;
-    result.direction = shading::skyPictureDirection(uv, turn_);
-    result.radiance = interpolate(place, [&](vec3 texel) { return texel * (1.0f - dimShare(texel)); });
-    result.pdf = brightLuminance(place) / brightIlluminance_;
+    result.direction = point.direction;
+    result.radiance = interpolate(point.place, [&](vec3 texel) { return texel * (1.0f - dimShare(texel)); });
+    result.pdf = brightLuminance(point.place) / brightIlluminance_;
     return result;
 }
 

@@ -4,7 +4,7 @@
 #include "transport/sample/alias_table.h"
 
 #include "halflight/scene/scene.h"
-#include "halflight/shading/sky.h"
+#include "halflight/shading/sky_picture.h"
 
 #include <memory>
 #include <vector>
@@ -51,14 +51,12 @@ public:
     [[nodiscard]] float pdf(vec3 direction) const;
     /// About the illuminance of the bright part on a surface that faces all of it, in lux.
     [[nodiscard]] float brightIlluminance() const { return brightIlluminance_; }
+    /// Row times the picture's width plus column of the areas that sample() chooses among, and their alias table.
+    [[nodiscard]] std::span<const uint32_t> brightAreas() const { return areas_; }
+    [[nodiscard]] std::span<const AliasBin> brightBins() const { return bins_; }
 
 private:
-    /// The four texels around a point, and where it is between them.
-    struct Place {
-        ivec2 low{0};
-        ivec2 high{0};
-        vec2 between{0.0f};
-    };
+    using Place = shading::SkyPlace;
     [[nodiscard]] vec3 gradient(vec3 d) const
     {
         return shading::skyRadiance(sky_.zenith, sky_.horizon, sky_.ground, d);
@@ -67,9 +65,6 @@ private:
     [[nodiscard]] vec3 pictureDim(vec3 direction) const;
     [[nodiscard]] float dimShare(vec3 texel) const;
     [[nodiscard]] Place placeOf(vec3 direction) const;
-    /// An area lies between four texels' centres. Those of the first and the last row reach to the poles.
-    [[nodiscard]] Place areaAt(int column, int row, vec2 between) const;
-    [[nodiscard]] vec2 rowRange(int row) const;
     [[nodiscard]] float brightLuminance(const Place& place) const;
     template<typename Value> vec3 interpolate(const Place& place, const Value& value) const;
     void findBrightAreas();

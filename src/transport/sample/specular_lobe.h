@@ -23,9 +23,7 @@ enum class Bounces { Diffuse, Glossy };
 /// 2013, "Path Space Regularization for Holistic and Robust Light Transport").
 class SpecularLobe {
 public:
-    /// Perceptual roughness. Narrower lobes would show small lamps as single bright samples (Kaplanyan and Dachsbacher
-    /// 2013, "Path Space Regularization for Holistic and Robust Light Transport").
-    static constexpr float kLeastRoughness = 0.3f;
+    static constexpr float kLeastRoughness = shading::kLeastLobeRoughness; ///< perceptual
 
     [[nodiscard]] static float roughnessOf(const SurfaceReflectance& surface)
     {

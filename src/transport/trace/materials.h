@@ -8,6 +8,7 @@
 #include "halflight/shading/brdf.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -77,6 +78,11 @@ public:
         return geometry_.isSolid(triangle) || !of(triangle).doubleSided;
     }
 
+    /// By number; the last one is glTF's default material.
+    [[nodiscard]] std::span<const TransportMaterial> all() const { return materials_; }
+    [[nodiscard]] int textureCount() const { return int(smallTextures_.size()); }
+    /// As colours are read; empty where nothing reads it.
+    [[nodiscard]] const ImageRgba8& smallTexture(int index) const { return smallTextures_[std::size_t(index)]; }
     [[nodiscard]] const Texture& texture(int index) const { return scene_.textures[std::size_t(index)]; }
     /// Where a texture is read, KHR_texture_transform included.
     [[nodiscard]] vec2 textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;

@@ -1,8 +1,7 @@
 #pragma once
-// The final gather on a device: rays, lookups and sums of a batch of blocks, in one submission.
+// The final gather on a device: rays, lookups, paths and sums of a batch of blocks, in two submissions.
 
-#include "bake_gpu/gpu_scene.h"
-#include "transport/lightmap/device_gather.h"
+#include "bake_gpu/gather/path_tables.h"
 
 #include <mutex>
 
@@ -15,12 +14,17 @@ public:
     ~GpuGather() override;
 
     Status gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
-                  std::span<Sums> sums, std::vector<Open>& open, uint64_t& rays) const override;
+                  std::span<Sums> sums, std::vector<EmitterHit>& emissive, uint64_t& rays) const override;
 
 private:
     struct Workspace;
+    void traceRays(std::size_t blocks, bool anySources) const;
+    void finishRays(std::size_t blocks, uint32_t open) const;
+
     BakeDevice& device_;
     const GpuScene& scene_;
+    PathTables pathTables_;
+    const gpu::RayPipeline& paths_;
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to
     gpu::Buffer tables_;
     mutable std::mutex mutex_; ///< the workspace takes turns

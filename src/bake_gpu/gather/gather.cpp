@@ -1,7 +1,9 @@
-#include "bake_gpu/gather.h"
+#include "bake_gpu/gather/gather.h"
 
-#include "bake_gpu/gather_layout.h"
+#include "bake_gpu/gather/gather_layout.h"
 #include "transport/lightmap/next_event.h"
+
+#include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <cstring>
@@ -13,7 +15,7 @@ using namespace shading;
 
 static_assert(sizeof(DeviceGather::Texel) == sizeof(GpuGatherTexel) && sizeof(DeviceGather::Point) == sizeof(GpuPoint));
 static_assert(sizeof(DeviceGather::Block) == sizeof(GpuBlock) && sizeof(DeviceGather::Sums) == sizeof(GpuSums));
-static_assert(sizeof(DeviceGather::Open) == sizeof(GpuOpen));
+static_assert(sizeof(DeviceGather::EmitterHit) == sizeof(GpuOpen));
 static_assert(sizeof(PatchLayout::Surface) == sizeof(GpuSurface) && sizeof(PatchLayout::Elements) == sizeof(uint32_t));
 static_assert(sizeof(PatchRadiance) == sizeof(GpuPatch) && sizeof(Guide) == sizeof(GpuSourceGuide));
 static_assert(sizeof(Guides::Entry) == sizeof(GpuEntry) && sizeof(LightClusters::Cluster) == sizeof(GpuCluster));
@@ -23,16 +25,22 @@ static_assert(sizeof(AliasBin) == sizeof(GpuAliasBin) && sizeof(LightClusters::M
 /// Tables in shaders/bake/gather.glsl.
 struct Tables {
     VkDeviceAddress scene, pattern, radii, angles, surfaces, normals, elements, patches, guides, entries, cumulative,
-        clusters, triangles, sourceMasks, bins, members, picture;
+        clusters, triangles, sourceMasks, bins, members, picture, paths;
     GpuGatherConstants all;
 };
 /// Lists in shaders/bake/gather.glsl.
 struct Lists {
-    VkDeviceAddress texels, points, blocks, rays, hits, gathered, sourceRays, sources, passed, sums, open, counts;
+    VkDeviceAddress texels, points, blocks, rays, hits, gathered, sourceRays, sources, passed, sums, open, emissive,
+        counts;
     uint32_t blockCount;
 };
 struct Push {
     VkDeviceAddress tables, lists;
+};
+/// Of paths/paths.rgen.
+struct PathPush {
+    VkDeviceAddress scene, tables, lists;
+    uint32_t unused = 0; ///< the shaders of hits have one number more
 };
 
 constexpr std::size_t kChunk = 32; ///< blocks whose rays are numbered together
@@ -41,8 +49,10 @@ constexpr std::size_t kMostRays = DeviceGather::kMostBlocks * kPatternBlock;
 std::vector<vec3> normalsOf(const RayTracer& surfaces)
 {
     std::vector<vec3> normals(surfaces.hitTriangleCount());
-    for (uint32_t i = 0; i < normals.size(); ++i)
-        normals[i] = surfaces.geometry().geometricNormal(surfaces.triangleAt(i));
+    parallelFor(normals.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            normals[i] = surfaces.geometry().geometricNormal(surfaces.triangleAt(uint32_t(i)));
+    });
     return normals;
 }
 
@@ -63,16 +73,18 @@ struct GpuGather::Workspace {
           sources(device, kMostRays * sizeof(vec3), gpu::kAddressed, gpu::MemoryUse::Device),
           passed(device, kMostRays * sizeof(float), gpu::kAddressed, gpu::MemoryUse::Device),
           sums(device, kMostBlocks * sizeof(Sums), gpu::kAddressed, gpu::MemoryUse::Readback),
-          open(device, kMostRays * sizeof(Open), gpu::kAddressed, gpu::MemoryUse::Readback),
-          counts(device, 2 * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
+          open(device, kMostRays * sizeof(GpuOpen), gpu::kAddressed, gpu::MemoryUse::Device),
+          emissive(device, kMostRays * sizeof(EmitterHit), gpu::kAddressed, gpu::MemoryUse::Readback),
+          counts(device, kCounters * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
     {}
-    gpu::Buffer texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open, counts;
+    gpu::Buffer texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open, emissive,
+        counts;
 };
 
 GpuGather::~GpuGather() = default;
 
 GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GatherTables& tables)
-    : device_(device), scene_(scene)
+    : device_(device), scene_(scene), pathTables_(device.device(), scene, tables), paths_(device.paths())
 {
     gpu::Device& on = device.device();
     const auto keep = [&](const auto& list) {
@@ -82,14 +94,15 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GatherTabl
     const PatchLayout& layout = tables.cache.layout();
     const StratifiedPattern::Tables pattern = tables.pattern.tables();
     const LightClusters& clusters = tables.guides.clusters();
-    const Sky& sky = tables.sky.sky();
+    const SkyLight& skyLight = tables.paths.light().sky();
+    const Sky& sky = skyLight.sky();
     Tables t{};
     t.scene = scene.address();
     t.pattern = keep(pattern.points);
     t.radii = keep(pattern.radii);
     t.angles = keep(pattern.angles);
     t.surfaces = keep(layout.surfaces);
-    t.normals = keep(normalsOf(tables.surfaces));
+    t.normals = keep(normalsOf(tables.paths.surfaces()));
     t.elements = keep(layout.elements);
     t.patches = keep(tables.cache.patches());
     t.guides = keep(tables.guides.guides());
@@ -105,26 +118,27 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GatherTabl
     t.members = keep(clusters.members());
     const ImageRgb32f* picture = sky.picture.get();
     t.picture = keep(picture != nullptr ? std::span<const vec3>(picture->texels()) : std::span<const vec3>());
+    t.paths = pathTables_.address();
     t.all.seed = tables.seed;
     t.all.sourceSeed = tables.seed ^ kSourceSeed;
     t.all.chartPatches = layout.chartPatches;
     t.all.patchShift = layout.patchShift;
     t.all.memberCount = uint32_t(clusters.members().size());
-    t.all.sky = (tables.sky.black() ? 0u : kSky) | (picture != nullptr ? kSkyPicture : 0u);
+    t.all.sky = (skyLight.black() ? 0u : kSky) | (picture != nullptr ? kSkyPicture : 0u);
     t.all.zenith = sky.zenith;
     t.all.horizon = sky.horizon;
     t.all.ground = sky.ground;
     t.all.pictureSize = picture != nullptr ? picture->size() : ivec2(0);
-    t.all.turn = tables.sky.turn();
-    t.all.limit = tables.sky.limit();
+    t.all.turn = skyLight.turn();
+    t.all.limit = skyLight.limit();
     tables_ = bufferOf(on, std::span<const Tables>(&t, 1));
     workspace_ = std::make_unique<Workspace>(on);
 }
 
 Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
-                         std::span<Sums> sums, std::vector<Open>& open, uint64_t& rays) const
+                         std::span<Sums> sums, std::vector<EmitterHit>& emissive, uint64_t& rays) const
 {
-    open.clear();
+    emissive.clear();
     if (blocks.empty()) return {};
     const std::lock_guard turn(mutex_);
     Workspace& w = *workspace_;
@@ -135,41 +149,64 @@ Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> p
     write(w.points, points);
     write(w.blocks, blocks);
     std::memset(w.counts.mapped(), 0, w.counts.size());
-    const Lists lists{w.texels.address(),     w.points.address(),   w.blocks.address(),     w.rays.address(),
-                      w.hits.address(),       w.gathered.address(), w.sourceRays.address(), w.sources.address(),
-                      w.passed.address(),     w.sums.address(),     w.open.address(),       w.counts.address(),
-                      uint32_t(blocks.size())};
+    const Lists lists{w.texels.address(), w.points.address(),     w.blocks.address(),     w.rays.address(),
+                      w.hits.address(),   w.gathered.address(),   w.sourceRays.address(), w.sources.address(),
+                      w.passed.address(), w.sums.address(),       w.open.address(),       w.emissive.address(),
+                      w.counts.address(), uint32_t(blocks.size())};
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
-    const Push push{tables_.address(), w.lists.address()};
-    const auto count = uint32_t((blocks.size() + kChunk - 1) / kChunk * kChunk * kPatternBlock);
     const bool anySources =
         std::any_of(texels.begin(), texels.end(), [](const Texel& texel) { return texel.sources > 0; });
+    const auto counted = [&](uint32_t counter) {
+        uint32_t count = 0;
+        std::memcpy(&count, w.counts.mapped() + counter * sizeof(count), sizeof(count));
+        return count;
+    };
     try {
-        device_.device().execute([&](VkCommandBuffer commands) {
-            const std::span<const std::byte> bytes = gpu::bytesOf(push);
-            device_.gatherRays().run(commands, bytes, count, kGroupSize);
-            device_.nearest(commands, {scene_.address(), w.rays.address(), w.hits.address()}, count);
-            device_.gatherLight().run(commands, bytes, count, kGroupSize);
-            if (anySources) {
-                device_.gatherSources().run(commands, bytes, count, kGroupSize);
-                device_.transmittance(commands, {scene_.address(), w.sourceRays.address(), w.passed.address()}, count);
-            }
-            device_.gatherSums().run(commands, bytes, blocks.size(), kGroupSize);
-            gpu::fullBarrier(device_.device(), commands);
-        });
+        traceRays(blocks.size(), anySources);
+        finishRays(blocks.size(), counted(kOpenCount));
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }
     std::memcpy(sums.data(), w.sums.mapped(), sums.size_bytes());
-    std::array<uint32_t, 2> counts{};
-    std::memcpy(counts.data(), w.counts.mapped(), sizeof(counts));
-    open.resize(counts[0]);
-    std::memcpy(open.data(), w.open.mapped(), open.size() * sizeof(Open));
-    std::sort(open.begin(), open.end(), [](const Open& a, const Open& b) {
+    emissive.resize(counted(kEmissiveCount));
+    std::memcpy(emissive.data(), w.emissive.mapped(), emissive.size() * sizeof(EmitterHit));
+    std::sort(emissive.begin(), emissive.end(), [](const EmitterHit& a, const EmitterHit& b) {
         return a.block != b.block ? a.block < b.block : a.stratum < b.stratum;
     });
-    rays += blocks.size() * kPatternBlock + counts[1];
+    rays += blocks.size() * kPatternBlock + counted(kRayCount);
     return {};
+}
+
+/// Traces the rays of all blocks. Those whose light is unknown are in a list afterwards.
+void GpuGather::traceRays(std::size_t blocks, bool anySources) const
+{
+    const Workspace& w = *workspace_;
+    const Push push{tables_.address(), w.lists.address()};
+    const std::span<const std::byte> bytes = gpu::bytesOf(push);
+    const auto count = uint32_t((blocks + kChunk - 1) / kChunk * kChunk * kPatternBlock);
+    device_.device().execute([&](VkCommandBuffer commands) {
+        device_.gatherRays().run(commands, bytes, count, kGroupSize);
+        device_.nearest(commands, {scene_.address(), w.rays.address(), w.hits.address()}, count);
+        device_.gatherLight().run(commands, bytes, count, kGroupSize);
+        if (anySources) {
+            device_.gatherSources().run(commands, bytes, count, kGroupSize);
+            device_.transmittance(commands, {scene_.address(), w.sourceRays.address(), w.passed.address()}, count);
+        }
+        gpu::fullBarrier(device_.device(), commands);
+    });
+}
+
+/// Traces the paths of `open` rays, and adds all light by block.
+void GpuGather::finishRays(std::size_t blocks, uint32_t open) const
+{
+    const Workspace& w = *workspace_;
+    const Push push{tables_.address(), w.lists.address()};
+    const PathPush pathPush{scene_.address(), tables_.address(), w.lists.address()};
+    device_.device().execute([&](VkCommandBuffer commands) {
+        paths_.run(commands, gpu::bytesOf(pathPush), open);
+        device_.gatherSums().run(commands, gpu::bytesOf(push), blocks, kGroupSize);
+        gpu::fullBarrier(device_.device(), commands);
+    });
 }
 
 } // namespace halflight

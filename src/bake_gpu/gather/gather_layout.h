@@ -24,7 +24,7 @@ struct GpuBlock {
     uint texel;
     uint number;
 };
-// [DeviceGather::Half, Sums, Open]
+// [DeviceGather::Half, Sums, EmitterHit]
 struct GpuHalf {
     vec3 irradiance;
     vec3 moment;
@@ -35,13 +35,17 @@ struct GpuSums {
 };
 struct GpuOpen {
     uint block;
-    uint stratum; // and kReflectionIsIn
+    uint stratum;
     uint face;
     vec2 barycentric;
     float distance;
     vec3 direction;
 };
-HL_CONST uint kReflectionIsIn = 0x80000000u;
+// Counters of a call.
+HL_CONST uint kOpenCount = 0u;
+HL_CONST uint kEmissiveCount = 1u;
+HL_CONST uint kRayCount = 2u; // of sources and paths
+HL_CONST uint kCounters = 3u;
 
 // [PatchLayout::Surface, PatchRadiance]
 struct GpuSurface {

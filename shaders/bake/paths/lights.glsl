@@ -1,0 +1,250 @@
+// One sample of each kind of light at a surface, for its diffuse part or for its specular lobe: DirectLight and
+// SceneLight.
+#ifndef HALFLIGHT_BAKE_PATH_LIGHTS_GLSL
+#define HALFLIGHT_BAKE_PATH_LIGHTS_GLSL
+
+#include "surface.glsl"
+
+#include "../sky.glsl"
+#include "rays.glsl"
+
+#include "halflight/shading/brdf_sampling.h"
+#include "halflight/shading/sobol.h"
+
+// transport/sample/specular_lobe.h; `on` is false where the surface's diffuse part reflects.
+struct PathLobe {
+    bool on;
+    vec3 f0;
+    float f90;
+    float alpha;
+    vec3 normal;
+    vec3 view;
+};
+
+PathLobe noLobe()
+{
+    PathLobe lobe;
+    lobe.on = false;
+    lobe.f0 = vec3(0.0);
+    lobe.f90 = 0.0;
+    lobe.alpha = 1.0;
+    lobe.normal = vec3(0.0);
+    lobe.view = vec3(0.0);
+    return lobe;
+}
+
+// SpecularLobe::reflected().
+vec3 reflectedBy(PathLobe lobe, vec3 direction, vec3 illuminance)
+{
+    return reflectSpecular(lobe.f0, lobe.f90, lobe.alpha, lobe.normal, lobe.view, direction, illuminance);
+}
+
+// What a light gives: irradiance, or the radiance that the lobe reflects.
+vec3 contributionOf(LightSource light, PathSurface s, PathLobe lobe, vec2 disc, float probability)
+{
+    if (!lobe.on) return sampledIrradiance(light, s.position, s.normal, disc, light.indirectMultiplier, probability);
+    float scale = light.indirectMultiplier / probability;
+    LightRay ray = sampleLightRay(light, s.position, disc);
+    vec3 illuminance = isAreaLight(light.type) ? areaRadianceAt(light, s.position) * (ray.solidAngle * scale)
+                                               : lightAt(light, s.position).illuminance * scale;
+    return reflectedBy(lobe, ray.direction, illuminance);
+}
+
+// Light that a ray from the surface may bring: irradiance, or radiance that the lobe reflects.
+struct PathLightSample {
+    vec3 light; // without shadows; zero: there is no ray
+    vec3 origin;
+    vec3 direction;
+    float tMin;
+    float tMax;
+    float shadowStrength;
+};
+
+PathLightSample noLight()
+{
+    PathLightSample result;
+    result.light = vec3(0.0);
+    result.origin = vec3(0.0);
+    result.direction = vec3(0.0, 0.0, 1.0);
+    result.tMin = 0.0;
+    result.tMax = -1.0;
+    result.shadowStrength = 1.0;
+    return result;
+}
+
+// DirectLight::shadowOrigin().
+vec3 shadowOriginOf(PathSurface s)
+{
+    float epsilon = epsilonAt(s);
+    vec3 onFlat = s.position + s.geometricNormal * epsilon;
+    uvec3 v = verticesOf(s.face, s.part);
+    vec3 curved = pointOnCurvedSurface(s.position, s.weights, positionInWorld(s.part, v.x),
+                                       positionInWorld(s.part, v.y), positionInWorld(s.part, v.z),
+                                       normalInWorld(s.part, v.x), normalInWorld(s.part, v.y),
+                                       normalInWorld(s.part, v.z), s.geometricNormal, s.back);
+    vec3 origin = curved + s.geometricNormal * epsilon;
+    // The raised origin must not be behind another surface.
+    float lift = distance(onFlat, origin);
+    if (lift <= 4.0 * epsilon) return origin;
+    return transmittance(onFlat, (origin - onFlat) / lift, 0.0, lift, kStopsByChance) > 0.0 ? origin : onFlat;
+}
+
+// One light's, chosen as SceneLight::chooseLight() does.
+PathLightSample sampleSources(PathSurface s, PathLobe lobe, inout PathSampler numbers)
+{
+    PathLightSample result = noLight();
+    GpuPathConstants all = paths().all;
+    if (all.anyLights == 0u) return result;
+    LightReservoir reservoir = lightReservoir(nextNumber(numbers));
+    vec2 disc = sampleDisc(nextPair(numbers));
+    ChosenLight chosen = chosenLight(kNone, 0.0, 0.0);
+    if (all.lightNodes > 0u)
+        chosen = sampleLightsBelow(paths().lightTree, 0u, s.position, s.normal, nextNumber(numbers));
+    for (uint i = 0u; i <= all.alwaysCount; ++i) {
+        bool ofTree = i == all.alwaysCount;
+        if (ofTree && !(chosen.probability > 0.0)) break;
+        uint number = ofTree ? paths().lightOfItem.at[chosen.item] : paths().always.at[i];
+        considerLight(reservoir, number, contributionOf(paths().lights.at[number], s, lobe, disc,
+                                                        ofTree ? chosen.probability : 1.0));
+    }
+    if (reservoir.chosen == kNone) return result;
+    result.light = contributionOfChosen(reservoir);
+    LightSource light = paths().lights.at[reservoir.chosen];
+    if (light.castShadows == 0u || s.part.receivesShadows == 0u) return result;
+    result.origin = shadowOriginOf(s);
+    LightRay ray = sampleLightRay(light, result.origin, disc);
+    result.direction = ray.direction;
+    result.tMin = epsilonAt(s);
+    result.tMax = ray.distance * kShortOfSurface;
+    result.shadowStrength = light.shadowStrength;
+    return result;
+}
+
+struct PathEmitterSample {
+    vec3 position;
+    vec3 normal;
+    vec3 radiance;
+    bool doubleSided;
+    bool rayVisible;
+    float pdfArea; // 0: no sample
+};
+
+// Emitters::sample().
+PathEmitterSample sampleEmitter(vec3 position, vec3 normal, vec2 u)
+{
+    PathEmitterSample result;
+    result.pdfArea = 0.0;
+    result.radiance = vec3(0.0);
+    ChosenLight chosen = sampleLightsBelow(paths().emitterTree, 0u, position, normal, u.x);
+    if (!(chosen.probability > 0.0)) return result;
+    GpuEmitter e = paths().emitters.at[chosen.item];
+    vec2 on = sampleTriangle(vec2(chosen.u, u.y));
+    result.position = e.origin + on.x * e.edge1 + on.y * e.edge2;
+    result.normal = e.normal;
+    result.radiance = e.radiance;
+    // Emission is scaled by coverage, as for rays that hit the surface by chance.
+    if ((e.flags & kUniform) == 0u) {
+        result.radiance = surfaceAt(e.hitIndex, on).emission;
+        if (e.masked != kNone) result.radiance *= coverageAt(push.scene, push.scene.masked.at[e.masked], on);
+    }
+    result.doubleSided = (e.flags & kDoubleSided) != 0u;
+    result.rayVisible = (e.flags & kRayVisible) != 0u;
+    result.pdfArea = chosen.probability * e.inverseArea;
+    return result;
+}
+
+// DirectLight::emitterIrradiance() and reflectedEmitters().
+PathLightSample sampleEmitters(PathSurface s, PathLobe lobe, float otherIlluminance, inout PathSampler numbers)
+{
+    PathLightSample result = noLight();
+    if (paths().all.emitterNodes == 0u) return result;
+    vec3 origin = rayOriginOf(s);
+    float survival = 1.0;
+    if (!lobe.on && otherIlluminance > 0.0)
+        survival = rouletteSurvival(lightImportance(paths().emitterTree.at[0], origin, s.normal), otherIlluminance);
+    if (survival < 1.0 && nextNumber(numbers) >= survival) return result;
+    PathEmitterSample e = sampleEmitter(origin, s.normal, nextPair(numbers));
+    NextEventContribution next = nextEventContribution(origin, s.normal, s.geometricNormal, e.position, e.normal,
+                                                       e.pdfArea, e.doubleSided, e.rayVisible);
+    if (!(next.distance > 0.0)) return result;
+    result.light = e.radiance * (next.factor / survival);
+    if (lobe.on) {
+        float front = -dot(e.normal, next.direction);
+        float pdf = e.pdfArea * next.distance * next.distance / (e.doubleSided ? abs(front) : front);
+        float other = brdfPdf(lobe.normal, lobe.view, next.direction, lobe.alpha, 1.0);
+        float weight = e.rayVisible ? powerHeuristic(pdf, other) : 1.0;
+        result.light = reflectedBy(lobe, next.direction, e.radiance * (weight / pdf));
+    }
+    result.origin = origin;
+    result.direction = next.direction;
+    result.tMax = next.distance * kShortOfSurface;
+    return result;
+}
+
+struct PathSkySample {
+    vec3 direction;
+    vec3 radiance;
+    float pdf;
+};
+
+// SkyLight::sample().
+PathSkySample sampleSky(vec2 u)
+{
+    uint count = paths().all.brightAreas;
+    u.x *= float(count);
+    uint bin = min(uint(u.x), count - 1u);
+    u.x = min(u.x - float(bin), kBelowOne);
+    GpuAliasBin alias = paths().brightBins.at[bin];
+    if (!selectsOwn(alias.share, u.x)) bin += alias.aliasOffset;
+    uint area = paths().brightAreas.at[bin];
+    ivec2 size = push.tables.all.pictureSize;
+    SkyPoint point = skyPointOf(int(area % uint(size.x)), int(area / uint(size.x)), u, push.tables.all.turn, size);
+    PathSkySample result;
+    result.direction = point.direction;
+    result.radiance = brightSkyAt(point.place);
+    point.place.between = vec2(0.5);
+    result.pdf = luminanceOf(brightSkyAt(point.place)) / paths().all.brightIlluminance;
+    return result;
+}
+
+// DirectLight::skyIrradiance() and reflectedSky().
+PathLightSample sampleBrightSky(PathSurface s, PathLobe lobe, float otherIlluminance, inout PathSampler numbers)
+{
+    PathLightSample result = noLight();
+    if (paths().all.brightAreas == 0u) return result;
+    float survival = lobe.on ? 1.0 : rouletteSurvival(paths().all.brightIlluminance, otherIlluminance);
+    if (survival < 1.0 && nextNumber(numbers) >= survival) return result;
+    PathSkySample sky = sampleSky(nextPair(numbers));
+    float cosine = dot(s.normal, sky.direction);
+    if (cosine <= 0.0 || dot(s.geometricNormal, sky.direction) <= 0.0) return result;
+    result.light = lobe.on ? reflectedBy(lobe, sky.direction, sky.radiance / sky.pdf)
+                           : sky.radiance * (cosine / (sky.pdf * survival));
+    result.origin = rayOriginOf(s);
+    result.direction = sky.direction;
+    result.tMax = kLongestRay;
+    return result;
+}
+
+// One sample of each kind with its shadow: irradiance, or the radiance that the lobe reflects. All in one loop, so that
+// the code of a shadow ray is there once.
+vec3 sampledLight(PathSurface s, PathLobe lobe, inout PathSampler numbers)
+{
+    vec3 sum = vec3(0.0);
+    for (int kind = 0; kind < 3; ++kind) {
+        PathLightSample next;
+        if (kind == 0)
+            next = sampleSources(s, lobe, numbers);
+        else if ((kind == 1) != lobe.on) // lobes have the sky first
+            next = sampleEmitters(s, lobe, luminanceOf(sum), numbers);
+        else
+            next = sampleBrightSky(s, lobe, luminanceOf(sum), numbers);
+        if (next.light == vec3(0.0)) continue;
+        float passed = 1.0;
+        if (next.tMax >= next.tMin)
+            passed = transmittance(next.origin, next.direction, next.tMin, next.tMax, kMultiplies);
+        sum += next.light * mix(1.0, passed, next.shadowStrength);
+    }
+    return sum;
+}
+
+#endif

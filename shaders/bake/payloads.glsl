@@ -1,0 +1,30 @@
+// What rays carry to the shaders of their hits, and back.
+#ifndef HALFLIGHT_BAKE_PAYLOADS_GLSL
+#define HALFLIGHT_BAKE_PAYLOADS_GLSL
+
+struct NearestPayload
+{
+    uint face;
+    vec2 barycentric;
+    float distance;
+};
+// Before the ray is traced `face` says which surfaces it meets.
+const uint kAllFaces = 0u;
+const uint kNoHiddenBacks = 1u;
+
+struct ThroughPayload
+{
+    uint depth; // -log2 of what passes, in units of 2^-16: integers add up in any order
+    uint state;
+};
+// Before the ray is traced `state` says what blended surfaces do.
+const uint kMultiplies = 0u;     // they take their share of the light
+const uint kStopsByChance = 1u;
+const uint kPassed = 2u;         // afterwards: nothing stopped the ray
+
+struct SolidsPayload
+{
+    int left; // solids left minus entered
+};
+
+#endif

@@ -1,0 +1,159 @@
+#include "bake_gpu/gather/path_tables.h"
+
+#include "bake_gpu/gather/path_layout.h"
+#include "shading/srgb_table.h"
+
+#include "halflight/base/mathematics.h"
+#include "halflight/base/parallel.h"
+
+#include <array>
+
+namespace halflight {
+
+using namespace shading;
+
+static_assert(kPathTextureSets == kTexCoordSets && kPathLevels == RadianceCache::kLevels);
+
+/// PathTables in shaders/bake/paths/tables.glsl.
+struct PathTables::Addresses {
+    VkDeviceAddress faces, parts, instances, materials, triangles, positions, normals, colors;
+    std::array<VkDeviceAddress, kPathTextureSets> uv;
+    VkDeviceAddress pictures, texels, linear;
+    std::array<VkDeviceAddress, kPathLevels> levels;
+    VkDeviceAddress lights, always, lightTree, lightOfItem, emitters, emitterTree, leafOfEmitter, brightAreas,
+        brightBins;
+    GpuPathConstants all;
+};
+
+namespace {
+
+GpuTextureUse pathTextureOf(const BakeGeometry& geometry, const TextureRef& ref)
+{
+    GpuTextureUse use{};
+    use.picture = ref ? ref.texture : -1;
+    use.set = geometry.uv[std::size_t(ref.texCoord)].empty() ? kNone : uint32_t(ref.texCoord);
+    use.offset = ref.offset;
+    use.scale = ref.scale;
+    use.turn = vec2(math::cos(ref.rotationRadians), math::sin(ref.rotationRadians));
+    return use;
+}
+
+GpuPathMaterial pathMaterialOf(const BakeGeometry& geometry, const TransportMaterial& m)
+{
+    return {m.baseColorFactor,
+            m.metallicFactor,
+            m.roughnessFactor,
+            m.specular,
+            m.emission,
+            pathTextureOf(geometry, m.baseColor),
+            pathTextureOf(geometry, m.metallicRoughness),
+            pathTextureOf(geometry, m.emissive)};
+}
+
+GpuPathInstance pathInstanceOf(const BakeGeometry::Instance& instance)
+{
+    return {instance.linear, instance.origin, instance.worldFromNormal, instance.mirrored ? 1u : 0u};
+}
+
+} // namespace
+
+PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GatherTables& tables)
+{
+    Addresses to{};
+    addSurfaces(device, tables, to);
+    to.positions = scene.positions();
+    addPictures(device, tables.paths.surfaces().materials(), to);
+    addLights(device, scene, tables, to);
+    for (std::size_t i = 0; i < kPathLevels; ++i) {
+        const std::span<const vec3> level = tables.cache.levels()[i];
+        to.levels[i] = keep(device, level);
+        if (!level.empty()) to.all.levels |= 1u << i;
+    }
+    to.all.bounces = tables.bounces;
+    to.all.levelOfFirst = tables.cache.converged() ? 0 : tables.cache.bounces() - tables.bounces;
+    to.all.levelsPerBounce = tables.cache.converged() ? 0 : 1;
+    to.all.glossy = tables.paths.glossy() ? 1 : 0;
+    tables_ = bufferOf(device, std::span<const Addresses>(&to, 1));
+}
+
+void PathTables::addSurfaces(gpu::Device& device, const GatherTables& tables, Addresses& to)
+{
+    const RayTracer& surfaces = tables.paths.surfaces();
+    const BakeGeometry& geometry = surfaces.geometry();
+    const Emitters& emitters = tables.paths.light().emitters();
+    std::vector<GpuPathFace> faces(surfaces.hitTriangleCount());
+    parallelFor(faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const uint32_t triangle = surfaces.triangleAt(uint32_t(i));
+            const uint32_t hidden = surfaces.materials().backIsHidden(triangle) ? kHiddenBack : 0;
+            faces[i] = {geometry.storedOf(triangle).index, geometry.partNumberOf(triangle) | hidden,
+                        emitters.itemOf(triangle)};
+        }
+    });
+    to.faces = keep(device, faces);
+    const auto materials = uint32_t(surfaces.materials().all().size());
+    std::vector<GpuPathPart> parts;
+    for (const BakeGeometry::Part& part : geometry.parts)
+        parts.push_back({part.material < 0 ? materials - 1 : uint32_t(part.material), part.instance,
+                         part.receiveShadows ? 1u : 0u});
+    to.parts = keep(device, parts);
+    std::vector<GpuPathInstance> instances;
+    for (const BakeGeometry::Instance& instance : geometry.instances) instances.push_back(pathInstanceOf(instance));
+    to.instances = keep(device, instances);
+    to.triangles = keep(device, geometry.triangles);
+    to.normals = keep(device, geometry.normals);
+    to.colors = keep(device, geometry.colors);
+    to.all.coloredVertices = geometry.colors.empty() ? 0 : 1;
+    for (std::size_t i = 0; i < kPathTextureSets; ++i) to.uv[i] = keep(device, geometry.uv[i]);
+    std::vector<GpuPathMaterial> looks;
+    for (const TransportMaterial& material : surfaces.materials().all())
+        looks.push_back(pathMaterialOf(geometry, material));
+    to.materials = keep(device, looks);
+}
+
+void PathTables::addPictures(gpu::Device& device, const Materials& materials, Addresses& to)
+{
+    std::vector<GpuBytes> pictures;
+    std::vector<u8vec4> texels;
+    for (int i = 0; i < materials.textureCount(); ++i) {
+        const ImageRgba8& picture = materials.smallTexture(i);
+        const Texture& texture = materials.texture(i);
+        pictures.push_back({picture.size(), int(texture.wrapU), int(texture.wrapV), 1u, uint32_t(texels.size())});
+        texels.insert(texels.end(), picture.texels().begin(), picture.texels().end());
+    }
+    to.pictures = keep(device, pictures);
+    to.texels = keep(device, texels);
+    to.linear = keep(device, kLinearFromSrgb8);
+}
+
+void PathTables::addLights(gpu::Device& device, const GpuScene& scene, const GatherTables& tables, Addresses& to)
+{
+    const SceneLight& light = tables.paths.light();
+    std::vector<LightSource> lights(light.lights().begin(), light.lights().end());
+    to.lights = keep(device, lights);
+    const SceneLight::Chooser& chooser = light.chooser(0);
+    to.always = keep(device, chooser.always);
+    to.lightTree = keep(device, chooser.tree.nodes());
+    to.lightOfItem = keep(device, chooser.lightOfItem);
+    to.all.anyLights = lights.empty() ? 0 : 1;
+    to.all.alwaysCount = uint32_t(chooser.always.size());
+    to.all.lightNodes = uint32_t(chooser.tree.nodes().size());
+    std::vector<GpuEmitter> emitters;
+    for (const Emitters::Emissive& e : light.emitters().all()) {
+        const uint32_t hitIndex = tables.cache.layout().hitIndexOfTriangle[e.triangle];
+        const uint32_t flags =
+            (e.uniform ? kUniform : 0) | (e.doubleSided ? kDoubleSided : 0) | (e.rayVisible ? kRayVisible : 0);
+        emitters.push_back({e.origin, e.edge1, e.edge2, e.normal, e.radiance, e.inverseArea, hitIndex,
+                            scene.maskedOf(hitIndex), flags});
+    }
+    to.emitters = keep(device, emitters);
+    to.emitterTree = keep(device, light.emitters().tree().nodes());
+    to.leafOfEmitter = keep(device, light.emitters().tree().leafOfItem());
+    to.all.emitterNodes = uint32_t(light.emitters().tree().nodes().size());
+    to.brightAreas = keep(device, light.sky().brightAreas());
+    to.brightBins = keep(device, light.sky().brightBins());
+    to.all.brightAreas = uint32_t(light.sky().brightAreas().size());
+    to.all.brightIlluminance = light.sky().brightIlluminance();
+}
+
+} // namespace halflight

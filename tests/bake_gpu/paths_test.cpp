@@ -1,0 +1,227 @@
+// Continuation paths on a device bring the light that they bring on the processor (spec S6). All but the floor has no
+// lightmap here, so that nearly all gather rays go on as paths. Both sides take the same samples: but for rounding,
+// texels are the same.
+
+#include "bake/area_light_scene.h"
+#include "bake/geometry/balls.h"
+#include "bake/test_sky.h"
+#include "bake_gpu/test_device.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace halflight::test::paths_test {
+namespace {
+
+using DevicePathsS6 = BakeDeviceTest;
+
+constexpr int kPage = 32;
+
+/// Shades that differ from texel to texel, and channels by channel.
+Texture colors(int size)
+{
+    Texture texture;
+    ImageRgba8 pixels(size, size);
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            pixels(x, y) = u8vec4(60 + 190 * x / size, 60 + 190 * y / size, (x + y) % 2 == 0 ? 240 : 90, 255);
+    texture.pixels = std::move(pixels);
+    return texture;
+}
+
+/// A floor with a lightmap; around it walls with a picture, gloss and colours of vertices, and a smooth column.
+Scene court()
+{
+    Scene scene;
+    scene.textures = {colors(8), colors(600)};
+    scene.textures[0].wrapU = Texture::Wrap::MirroredRepeat;
+    const int gray = addMaterial(scene, vec3(0.6f));
+    const int painted = addMaterial(scene, vec3(0.9f));
+    const int metal = addMaterial(scene, vec3(0.8f, 0.6f, 0.3f));
+    Material& paint = scene.materials[std::size_t(painted)];
+    paint.baseColorTexture = {.texture = 0, .offset = vec2(0.1f), .scale = vec2(3.0f), .rotationRadians = 0.4f};
+    Material& brass = scene.materials[std::size_t(metal)];
+    brass.metallic = 1.0f;
+    brass.roughness = 0.6f;
+    brass.specular = 1.0f;
+    brass.metallicRoughnessTexture = {.texture = 1, .texCoord = 0};
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, gray, kPage, {vec2(2), vec2(30)});
+    addRectangle(scene, {vec3(-2, 0, -2), vec3(4, 0, 0), vec3(0, 3, 0)}, painted, kPage);
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(0, 0, -4), vec3(0, 3, 0)}, metal, kPage);
+    addRectangle(scene, {vec3(2, 0, -2), vec3(0, 0, 4), vec3(0, 3, 0)}, gray, kPage);
+    MeshPart& wall = scene.meshes.back().parts[0];
+    for (std::size_t i = 0; i < wall.positions.size(); ++i)
+        wall.colors.emplace_back(0.3f + 0.2f * float(i), 0.9f, 0.5f, 1.0f);
+    MeshPart column;
+    column.material = gray;
+    constexpr uint32_t kSides = 12;
+    for (uint32_t i = 0; i <= kSides; ++i) {
+        const float angle = 2.0f * kPi * float(i) / float(kSides);
+        const vec3 out(std::cos(angle), 0.0f, -std::sin(angle));
+        for (const float y : {0.0f, 2.5f}) {
+            column.positions.push_back(0.4f * out + vec3(0, y, 0));
+            column.normals.push_back(out);
+            column.uv[0].emplace_back(float(i), y);
+        }
+        const uint32_t a = 2 * i;
+        if (i < kSides) column.indices.insert(column.indices.end(), {a, a + 2, a + 1, a + 1, a + 2, a + 3});
+    }
+    addObject(scene, std::move(column));
+    return scene;
+}
+
+Light bakedLight(LightType type, vec3 position, vec3 direction, float intensity)
+{
+    return makeLight(type, position, direction, intensity, LightMode::Mixed);
+}
+
+IntegrationSettings settingsOf(int bounces = kAllBounces)
+{
+    IntegrationSettings settings;
+    settings.samples = 48;
+    settings.bounces = bounces;
+    return settings;
+}
+
+/// Every n-th texel of a scene.
+std::vector<IrradianceEstimate> lightOn(const IntegratorFactory& factory, const Scene& scene, int page,
+                                        const IntegrationSettings& settings, uint32_t step)
+{
+    Bench bench(scene, MixedLightingMode::Shadowmask, page, settings, 1, factory);
+    std::vector<uint32_t> texels;
+    for (uint32_t i = 0; i < bench.map.texels.size(); i += step) texels.push_back(i);
+    std::vector<IrradianceEstimate> estimates(texels.size());
+    EXPECT_TRUE(bench.irradiance({texels}, estimates));
+    return estimates;
+}
+
+/// `near`: difference that counts as rounding, relative to a texel's light.
+void expectSameLight(const std::vector<IrradianceEstimate>& cpu, const std::vector<IrradianceEstimate>& gpu, float near)
+{
+    ASSERT_EQ(cpu.size(), gpu.size());
+    double mean = 0.0;
+    double difference = 0.0;
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < cpu.size(); ++i) {
+        const double a = double(luminance(cpu[i].irradiance));
+        mean += a / double(cpu.size());
+        difference += (double(luminance(gpu[i].irradiance)) - a) / double(cpu.size());
+        other += glm::distance(cpu[i].irradiance, gpu[i].irradiance) > near * float(a + 1.0e-3) ||
+                 cpu[i].samples != gpu[i].samples ||
+                 glm::distance(cpu[i].moment, gpu[i].moment) > 2.0f * near * float(a + 1.0e-3);
+    }
+    EXPECT_GT(mean, 0.01);
+    EXPECT_LT(std::abs(difference), 1.0e-3 * mean);
+    // A number that falls on the other side of a threshold by rounding makes another path.
+    EXPECT_LT(other, cpu.size() / 20);
+    testing::Test::RecordProperty("other", std::to_string(other) + " of " + std::to_string(cpu.size()));
+}
+
+void expectSame(const Scene& scene, const std::shared_ptr<BakeDevice>& device,
+                const IntegrationSettings& settings = settingsOf(), int page = kPage, uint32_t step = 1,
+                float near = 1.0e-3f)
+{
+    expectSameLight(lightOn(embreeIntegrators(), scene, page, settings, step),
+                    lightOn(gpuIntegrators(device), scene, page, settings, step), near);
+}
+
+TEST_F(DevicePathsS6, SunLampAndSpot)
+{
+    Scene scene = court();
+    scene.lights.push_back(bakedLight(LightType::Directional, vec3(0), vec3(0.5f, -1, -0.4f), 4.0f));
+    scene.lights.back().angularRadiusRadians = 0.05f;
+    scene.lights.push_back(bakedLight(LightType::Point, vec3(1, 1.5f, 0.5f), vec3(0, -1, 0), 2.0f));
+    scene.lights.back().radiusMeters = 0.2f;
+    scene.lights.push_back(bakedLight(LightType::Spot, vec3(-1, 2.5f, 1), vec3(0.2f, -0.5f, -1), 9.0f));
+    scene.lights.back().indirectMultiplier = 2.0f;
+    scene.lights.push_back(bakedLight(LightType::Point, vec3(0, 0.7f, -1.5f), vec3(0, -1, 0), 0.5f));
+    scene.lights.back().shadowStrength = 0.5f;
+    expectSame(scene, device);
+    expectSame(scene, device, settingsOf(2)); // levels of the radiance cache
+    IntegrationSettings diffuse = settingsOf();
+    diffuse.glossyBounces = false;
+    expectSame(scene, device, diffuse);
+}
+
+TEST_F(DevicePathsS6, AreaLights)
+{
+    Scene scene = court();
+    for (const LightType type : {LightType::Rectangle, LightType::Disk})
+        scene.lights.push_back(areaLight(type, vec3(type == LightType::Disk ? 1.0f : -1.0f, 2.6f, 0.5f),
+                                         vec3(0.1f, -1, -0.3f), vec2(0.8f, 0.5f), 20.0f, LightMode::Mixed));
+    // Steradians are a difference of angles, and Vulkan's arc cosines are inexact.
+    expectSame(scene, device, settingsOf(), kPage, 1, 5.0e-3f);
+}
+
+/// More than eight lights are in a tree, and some end before the place.
+TEST_F(DevicePathsS6, ManyLamps)
+{
+    Scene scene = court();
+    for (int i = 0; i < 20; ++i)
+        scene.lights.push_back(pointAt("lamp", vec3(-1.7f + 0.18f * float(i), 0.3f + 0.13f * float(i), 1.6f),
+                                       i % 3 == 0 ? 1.5f : 8.0f, 0.4f + 0.1f * float(i % 4)));
+    expectSame(scene, device);
+}
+
+/// A sun in the sky's picture is sampled as a light.
+TEST_F(DevicePathsS6, SkyWithASun)
+{
+    Scene scene = court();
+    scene.sky = skyOf(sunPicture(64, vec3(0.4f, 1, 0.6f), 0.15f, 200.0f), 0.7f);
+    expectSame(scene, device);
+}
+
+/// Emitters with and without a picture, from one or both sides, with holes, and one that casts no shadow. Light from
+/// them outweighs all other at every place, so that none of their samples are left out, on either side.
+TEST_F(DevicePathsS6, Emitters)
+{
+    Scene scene = court();
+    for (Material& material : scene.materials) material.baseColor *= vec4(0.5f, 0.5f, 0.5f, 1.0f);
+    const int plain = addMaterial(scene, vec3(0.2f), vec3(9.0f, 8.0f, 6.0f));
+    const int picture = addMaterialWithHoles(scene, vec3(0.2f), ImageRgba8(4, 4, u8vec4(255)), true);
+    Texture& holes = scene.textures.back();
+    ImageRgba8 pixels(4, 4, u8vec4(200, 180, 90, 255));
+    for (int y = 0; y < 4; ++y) pixels(1, y).w = 0;
+    holes.pixels = std::move(pixels);
+    scene.materials[std::size_t(picture)].emissiveNits = vec3(12.0f);
+    scene.materials[std::size_t(picture)].emissiveTexture = {.texture = 0};
+    addRectangle(scene, {vec3(-0.8f, 2.9f, -1), vec3(1.6f, 0, 0), vec3(0, 0, 1)}, plain, kPage, {}, 3);
+    addRectangle(scene, {vec3(1.2f, 0.4f, -1), vec3(0, 0, 1), vec3(0.3f, 1, 0)}, picture, kPage, {}, 2);
+    addRectangle(scene, {vec3(-1.5f, 0.4f, -1), vec3(0, 0, 1), vec3(0.3f, 1, 0)}, picture, kPage);
+    scene.objects.back().castShadows = false;
+    expectSame(scene, device);
+}
+
+/// Turned, stretched and mirrored instances of a mesh, without lightmaps.
+TEST_F(DevicePathsS6, Instances)
+{
+    Scene scene = balls::ballsOnFloor();
+    for (Object& object : scene.objects)
+        if (&object != &scene.objects.front()) object.lightmap.page = -1;
+    scene.textures = {colors(8)};
+    scene.materials[1].baseColorTexture = {.texture = 0};
+    for (Mesh& mesh : scene.meshes)
+        for (MeshPart& part : mesh.parts) {
+            part.uv[0].clear();
+            for (const vec3 p : part.positions) part.uv[0].emplace_back(p.x + 0.3f * p.z, p.y);
+        }
+    expectSame(scene, device, settingsOf(), balls::kPage, 41);
+}
+
+/// The same bits again, whatever else is asked for.
+TEST_F(DevicePathsS6, BytesRepeat)
+{
+    Scene scene = court();
+    scene.lights.push_back(bakedLight(LightType::Directional, vec3(0), vec3(0.5f, -1, -0.4f), 4.0f));
+    scene.sky = skyOf(sunPicture(64, vec3(0.4f, 1, 0.6f), 0.15f, 200.0f));
+    const auto all = lightOn(gpuIntegrators(device), scene, kPage, settingsOf(), 1);
+    const auto some = lightOn(gpuIntegrators(device), scene, kPage, settingsOf(), 5);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+        EXPECT_EQ(some[i].irradiance, all[5 * i].irradiance);
+        EXPECT_EQ(some[i].moment, all[5 * i].moment);
+    }
+}
+
+} // namespace
+} // namespace halflight::test::paths_test
