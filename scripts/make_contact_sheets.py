@@ -263,7 +263,7 @@ def thirteen_lights(s):
 
 
 def coloured_glass(s):
-    """S35: a room with three coloured windows under a baked and a mixed sun; pictures show the glass itself grey."""
+    """S35: a room with three coloured windows under a baked and a mixed sun."""
     scene = ("tests/coloured_glass.glb", "--quality", "medium", "--lightmap-size", "1024")
     baked = s.bake(*scene)
     s.render("sun and sky through a film, a pane and a block: baked", baked)

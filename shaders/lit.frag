@@ -69,7 +69,14 @@ void main()
     if (kAlphaMode == kAlphaPass) { // multiplies what is behind, before the surface's own light is added
         vec4 base = materials[push.info.x].baseColor * inColor *
                     materialTexture(push.info.x, kTextureBaseColor, inUv, vec4(1.0));
-        outRadiance = vec4(passed(push.info.x, inUv, base), 1.0 - coverage(push.info.x, inUv, base.a));
+        vec3 behind = vec3(1.0);
+        if (push.info.w == 0 && materials[push.info.x].volume.rgb != vec3(0.0)) {
+            vec3 across = cross(dFdx(inPosition), dFdy(inPosition));
+            vec3 normal = dot(across, across) > 0.0 ? normalize(across) : vec3(0.0, 1.0, 0.0);
+            behind = paneLeaves(push.info.x, inUv, normal, mat3(objects[inObject].worldFromObject), viewRay(inPosition));
+        }
+        outRadiance =
+            vec4(passed(push.info.x, inUv, base, behind), 1.0 - coverage(push.info.x, inUv, base.a));
         return;
     }
     MeshSurface mesh = readSurface();

@@ -38,11 +38,20 @@ float coverage(int material, vec4 uv, float alpha)
                       glassShare(material, uv));
 }
 
-// Light that the surface lets through where base colour and vertices are this: Material::passed().
-vec3 passed(int material, vec4 uv, vec4 base)
+// Light that the surface lets through where base colour and vertices are this: Material::passed(). behind: what a
+// thickness behind the surface lets through.
+vec3 passed(int material, vec4 uv, vec4 base, vec3 behind)
 {
     return passedOf(base.a, materials[material].parameters.w, materials[material].info.z != 0,
-                    glassShare(material, uv), base.rgb, materials[material].reflection.z > 0.0);
+                    glassShare(material, uv), base.rgb, materials[material].reflection.z > 0.0, behind);
+}
+
+// What the thickness behind a surface leaves of light. normal: of the triangle, in the world.
+vec3 paneLeaves(int material, vec4 uv, vec3 normal, mat3 worldFromObject, vec3 direction)
+{
+    vec4 volume = materials[material].volume;
+    float thickness = volume.a * materialTexture(material, kTextureThickness, uv, vec4(1.0)).g;
+    return volumeLeaves(volume.rgb, wayThroughPane(thickness, normal, transpose(worldFromObject) * normal, direction));
 }
 
 #endif

@@ -53,6 +53,13 @@ vec3 worldPosition(float depth)
     return position;
 }
 
+// From the camera to a point of the world, along the ray of its pixel: an orthographic camera has no place.
+vec3 viewRay(vec3 position)
+{
+    vec3 ray = position - frame.cameraPosition.xyz;
+    return frame.cameraForward.w > 0.5 ? frame.cameraForward.xyz * dot(frame.cameraForward.xyz, ray) : ray;
+}
+
 // What follows from where the point is. Both paths take it from depth, to the last bit alike: a shadow map's comparison
 // that falls the other way is a visible difference, however near the two points are.
 void placeSurface(inout Surface s, float depth)

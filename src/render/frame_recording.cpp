@@ -124,6 +124,7 @@ PreparedFrame Renderer::Impl::prepare(const Camera& camera, const RenderSettings
         (frame.deferred && !mustGoForward(*scene, frame.plan, object) ? toGBuffer : toForward).push_back(object);
     frame.draws.deferred = lists.solid(toGBuffer);
     frame.draws.forward = lists.solid(toForward);
+    if (settings.view == DebugView::Lit) frame.draws.volumes = lists.volumes(visible);
     frame.draws.blended = lists.blended(visible, vec3(camera.worldFromCamera[3]));
     frame.instances = lists.instances();
     // Subtractive's main light leaves one value in the G-buffer (shaders/gbuffer.glsl), unless its mask has a colour.
@@ -169,6 +170,10 @@ void Renderer::Impl::ensureTargets(const PreparedFrame& frame, const ShadowSetti
     if (!made && !colored && layers < 2 && preparedForward[layers].valid()) made = preparedForward[layers].get();
     if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, frame.masks);
     if (!frame.draws.blended.empty()) made->ensureBlend(device, layout, colorFormat, frame.masks, frame.draws.blended);
+    if (!frame.draws.volumes.empty()) {
+        if (!volumePasses) volumePasses = std::make_unique<VolumePasses>(device, layout, colorFormat);
+        volumePasses->ensure(device, size);
+    }
     if (!frame.deferred) return;
     if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[frame.deferredMasks.number()]; !passes)
         passes = std::make_unique<DeferredPipelines>(device, layout, colorFormat, frame.deferredMasks);
@@ -196,6 +201,9 @@ void Renderer::Impl::bindFrame(FrameSlot& to, const PreparedFrame& frame, const 
     set.image(shading::kBindCascadeDepths, cascades.image.view(), texelSampler.get());
     set.image(shading::kBindAtlasDepths, atlas.image.view(), texelSampler.get());
     set.image(shading::kBindRadiance, color.view(), texelSampler.get());
+    set.image(shading::kBindDepth, depth.view(), texelSampler.get());
+    if (!frame.draws.volumes.empty())
+        set.image(shading::kBindOpticalDepths, volumePasses->depths.view(), texelSampler.get());
     if (!frame.deferred) return;
     set.image(shading::kBindGBufferBaseColor, gBuffer.baseColor.view(), texelSampler.get());
     set.image(shading::kBindGBufferNormals, gBuffer.normals.view(), texelSampler.get());
@@ -203,7 +211,6 @@ void Renderer::Impl::bindFrame(FrameSlot& to, const PreparedFrame& frame, const 
     if (gBuffer.mask.get()) set.image(shading::kBindGBufferMask, gBuffer.mask.view(), texelSampler.get());
     if (gBuffer.furtherMask.get())
         set.image(shading::kBindGBufferFurtherMask, gBuffer.furtherMask.view(), texelSampler.get());
-    set.image(shading::kBindDepth, depth.view(), texelSampler.get());
 }
 
 void Renderer::Impl::endPass(const PassContext& context, const char* name)
@@ -273,7 +280,7 @@ void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraw
         gpu::transition(device, commands, *image, gpu::state::kColorAttachment, gpu::state::kFragmentRead);
     gpu::transition(device, commands, depth, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
     gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kColorAttachment);
-    drawDeferredLight(context, deferred, color);
+    drawOverPicture(context, deferred.light.get(), color);
     gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kColorAttachment);
     gpu::transition(device, commands, depth, gpu::state::kFragmentRead, gpu::state::kDepthAttachment);
     endPass(context, "deferred light");
@@ -308,6 +315,12 @@ void Renderer::Impl::recordFrame(VkCommandBuffer commands, FrameSlot& to, const 
     endPass(context, "forward");
     drawSky(context);
     endPass(context, "sky");
+    if (!frame.draws.volumes.empty()) {
+        endRendering(context);
+        drawVolumes(context, *volumePasses, color, depth, frame.draws);
+        endPass(context, "volumes");
+        beginForward(context, color, depth, VK_ATTACHMENT_LOAD_OP_LOAD);
+    }
     drawBlended(context, forward, frame.draws);
     endPass(context, "blended");
     endRendering(context);

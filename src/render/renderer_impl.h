@@ -7,6 +7,7 @@
 #include "render/passes/compose_pass.h"
 #include "render/passes/display_pass.h"
 #include "render/passes/passes.h"
+#include "render/passes/volumes.h"
 #include "render/scene/frame_data.h"
 #include "render/scene/shadow_switches.h"
 
@@ -160,6 +161,7 @@ struct Renderer::Impl {
     std::unique_ptr<ForwardPipelines> forwardPipelines[MaskUse::kCount];
     std::future<std::unique_ptr<ForwardPipelines>> preparedForward[2];     ///< the same, while a thread makes them
     std::unique_ptr<DeferredPipelines> deferredPipelines[MaskUse::kCount]; ///< as forwardPipelines
+    std::unique_ptr<VolumePasses> volumePasses;               ///< made with the first frame that has volumes
     std::unique_ptr<ComposePipeline> composePipeline;         ///< made with the first scene that has light groups
     std::map<VkFormat, gpu::UniquePipeline> displayPipelines; ///< by the target's format, made when first used
     gpu::UniqueSampler pageSampler;

@@ -234,6 +234,10 @@ void drawBlended(const PassContext& context, const ForwardPipelines& pipelines, 
         }
     };
     for (const Draw& draw : draws.blended) {
+        const int closed = draw.part->closedVolume ? 1 : 0;
+        context.device.vk.CmdPushConstants(context.commands, context.pipelines.layout.get(),
+                                           VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
+                                           offsetof(GpuPush, info) + 3 * sizeof(int), sizeof(int), &closed);
         // Of a closed double-sided surface the far side comes first.
         if (draw.part->doubleSided) drawFaces(draw, Culling::Front);
         drawFaces(draw, Culling::Back);
@@ -257,11 +261,22 @@ void drawGBuffer(const PassContext& context, const DeferredPipelines& pipelines,
     endRendering(context);
 }
 
-void drawDeferredLight(const PassContext& context, const DeferredPipelines& pipelines, const gpu::Image& color)
+void drawAllFaces(const PassContext& context, VkPipeline pipeline, const gpu::Image& color, const mat4& clipFromWorld,
+                  std::span<const Draw> draws)
+{
+    const VkRenderingAttachmentInfo attachment = colorAttachment(color, VK_ATTACHMENT_LOAD_OP_CLEAR);
+    beginRendering(context, {&attachment, 1}, std::nullopt, imageSize(color));
+    pushClipFromWorld(context, clipFromWorld);
+    bindPipeline(context, pipeline);
+    for (const Draw& draw : draws) drawPart(context, draw, Culling::None);
+    endRendering(context);
+}
+
+void drawOverPicture(const PassContext& context, VkPipeline pipeline, const gpu::Image& color)
 {
     const VkRenderingAttachmentInfo attachment = colorAttachment(color, VK_ATTACHMENT_LOAD_OP_LOAD);
     beginRendering(context, {&attachment, 1}, std::nullopt, imageSize(color));
-    drawWholePicture(context, pipelines.light.get());
+    drawWholePicture(context, pipeline);
     endRendering(context);
 }
 

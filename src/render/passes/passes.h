@@ -113,15 +113,21 @@ struct CameraDraws {
     mat4 clipFromWorld{1.0f};
     std::vector<Draw> deferred; ///< drawn into the G-buffer
     std::vector<Draw> forward;  ///< lit as they are drawn
+    std::vector<Draw> volumes;  ///< of the blended parts closed glass with a volume
     std::vector<Draw> blended;
 };
 /// Depth of all solid parts: later passes draw where depth is equal.
 void drawDepth(const PassContext& context, const gpu::Image& depth, const CameraDraws& draws);
 
-/// The deferred path: surfaces with emissive and indirect light, then direct light for all of them.
+/// All faces of parts, without a depth test, into an image that is cleared before.
+void drawAllFaces(const PassContext& context, VkPipeline pipeline, const gpu::Image& color, const mat4& clipFromWorld,
+                  std::span<const Draw> draws);
+/// One triangle over a whole image.
+void drawOverPicture(const PassContext& context, VkPipeline pipeline, const gpu::Image& color);
+
+/// The deferred path: surfaces with emissive and indirect light; direct light for all of them comes after.
 void drawGBuffer(const PassContext& context, const DeferredPipelines& pipelines, const GBuffer& gBuffer,
                  const gpu::Image& color, const gpu::Image& depth, const CameraDraws& draws);
-void drawDeferredLight(const PassContext& context, const DeferredPipelines& pipelines, const gpu::Image& color);
 
 /// The forward passes, within one rendering scope: lit surfaces, sky, blended surfaces.
 void beginForward(const PassContext& context, const gpu::Image& color, const gpu::Image& depth,

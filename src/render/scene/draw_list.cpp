@@ -42,6 +42,11 @@ std::vector<Draw> DrawLists::solid(std::span<const uint32_t> objects)
     return drawsOf(objects, [](const DrawPart& part) { return part.alphaMode != Material::AlphaMode::Blend; });
 }
 
+std::vector<Draw> DrawLists::volumes(std::span<const uint32_t> objects)
+{
+    return drawsOf(objects, [](const DrawPart& part) { return part.closedVolume; });
+}
+
 std::vector<Draw> DrawLists::casters(std::span<const uint32_t> objects)
 {
     return drawsOf(objects, [](const DrawPart& part) { return part.castShadows; });

@@ -23,6 +23,8 @@ public:
 
     /// Opaque and masked parts of the objects, objects that share a mesh as instances of one draw.
     std::vector<Draw> solid(std::span<const uint32_t> objects);
+    /// Closed parts of glass that take light on the way through them.
+    std::vector<Draw> volumes(std::span<const uint32_t> objects);
     /// All parts of the objects that throw shadows, blended ones too.
     std::vector<Draw> casters(std::span<const uint32_t> objects);
     /// Blended parts, farthest first from `eye`.

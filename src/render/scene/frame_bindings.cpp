@@ -16,7 +16,7 @@ std::vector<gpu::Binding> frameBindings(const gpu::Device& device)
     const VkPhysicalDeviceLimits& limits = device.properties().limits;
     const uint32_t images = std::min({limits.maxPerStageDescriptorSampledImages, limits.maxPerStageDescriptorSamplers,
                                       limits.maxDescriptorSetSamplers, limits.maxDescriptorSetSampledImages});
-    const uint32_t textures = std::min({kMaxTextures, images - 18 /* others */, limits.maxPerStageResources - 32});
+    const uint32_t textures = std::min({kMaxTextures, images - 19 /* others */, limits.maxPerStageResources - 33});
     std::vector<gpu::Binding> bindings(shading::kBindTextures + 1);
     bindings[shading::kBindFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     for (int i = shading::kBindLightmaps; i <= shading::kBindTextures; ++i)

@@ -41,7 +41,8 @@ HL_CONST int kBindRadiance = 23;      // the finished frame's samples: shaders/d
 HL_CONST int kBindCascadeDepths = 24; // the images of kBindCascades and kBindAtlas, without comparison
 HL_CONST int kBindAtlasDepths = 25;
 HL_CONST int kBindGBufferFurtherMask = 26;
-HL_CONST int kBindTextures = 27; // the last: its length varies
+HL_CONST int kBindOpticalDepths = 27; // of glass volumes: shaders/absorb.frag
+HL_CONST int kBindTextures = 28;      // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -137,7 +138,8 @@ HL_CONST int kTextureNormal = 2;
 HL_CONST int kTextureOcclusion = 3;
 HL_CONST int kTextureEmissive = 4;
 HL_CONST int kTextureTransmission = 5;
-HL_CONST int kMaterialTextures = 6;
+HL_CONST int kTextureThickness = 6;
+HL_CONST int kMaterialTextures = 7;
 
 struct GpuTextureRef {
     vec4 matrix; // rows (x, y) and (z, w): uv' = matrix * uv + offset
@@ -152,6 +154,7 @@ struct GpuMaterial {
     ivec4 info;            // x 1 = unlit, y 1 = receives shadows, z 1 = alpha is coverage
     vec4 reflection;       // x specular factor, y what glass lets through where its texture says 1 and metallic is 0,
                            // z 1 = what alpha leaves open takes the base colour
+    vec4 volume;           // rgb attenuation in 1/m, a thickness in the mesh's space
     GpuTextureRef textures[kMaterialTextures];
 };
 
@@ -205,7 +208,8 @@ struct GpuTile {
 struct GpuPush {
     mat4 clipFromWorld;
     ivec4
-        info; // x material; yz in shadow maps: the texel from which alpha thresholds count (shaders/hashed_alpha.glsl)
+        info; // x material; yz in shadow maps: the texel from which alpha thresholds count (shaders/hashed_alpha.glsl);
+              // w of blended parts: 1 = closed, so that its volume is drawn by its faces (shaders/volume.frag)
 };
 
 HL_NAMESPACE_END

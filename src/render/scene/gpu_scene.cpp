@@ -5,7 +5,9 @@
 #include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/render/frame.h"
+#include "halflight/shading/coverage.h"
 #include "render/frame/frame_internal.h"
+#include "render/scene/closed_part.h"
 #include "render/scene/mipmaps.h"
 #include "render/scene/upload_pages.h"
 #include "scene/model/tint.h"
@@ -22,6 +24,8 @@ namespace {
 using shading::GpuMaterial;
 using shading::GpuObject;
 using shading::GpuTextureRef;
+
+static_assert(kGlassTransmittance == shading::kFaceTransmittance);
 
 constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 constexpr float kMaxAnisotropy = 8.0f;
@@ -63,9 +67,11 @@ void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& sce
             draw.firstVertex = int32_t(positions.size());
             draw.material = part.material >= 0 ? part.material : int(scene.materials.size());
             draw.alphaMode = material.isBlended() ? Material::AlphaMode::Blend : material.alphaMode;
+            draw.closedVolume = material.attenuates() && isClosed(part);
             draw.tintsLight =
-                passesBaseColor(material) &&
-                (material.baseColorTexture || vec3(material.baseColor) != vec3(1.0f) || !part.colors.empty());
+                (passesBaseColor(material) &&
+                 (material.baseColorTexture || vec3(material.baseColor) != vec3(1.0f) || !part.colors.empty())) ||
+                (material.attenuates() && !draw.closedVolume);
             draw.doubleSided = isDoubleSided(scene, part);
             draw.castShadows = material.castShadows;
             Bounds bounds;
@@ -136,6 +142,7 @@ GpuMaterial gpuMaterial(const Scene& scene, const Material& material, TextureSlo
                         material.alphaMode == Material::AlphaMode::Blend ? 1 : 0, 0);
     result.reflection =
         vec4(material.specular, kGlassTransmittance * material.transmission, material.tinted ? 1.0f : 0.0f, 0.0f);
+    result.volume = vec4(attenuationOf(material), material.thickness);
     const std::array<int, 2> sets = setsOf(material);
     const auto ref = [&](int slot, const TextureRef& texture, bool srgb) {
         result.textures[slot] = gpuTextureRef(scene, texture, sets, srgb, slots);
@@ -146,6 +153,7 @@ GpuMaterial gpuMaterial(const Scene& scene, const Material& material, TextureSlo
     ref(shading::kTextureOcclusion, material.occlusionTexture, false);
     ref(shading::kTextureEmissive, material.emissiveTexture, true);
     ref(shading::kTextureTransmission, material.transmissionTexture, false);
+    ref(shading::kTextureThickness, material.thicknessTexture, false);
     return result;
 }
 

@@ -29,7 +29,8 @@ struct DrawPart {
     int32_t firstVertex = 0;
     int material = 0; ///< index into the material buffer
     Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
-    bool tintsLight = false; ///< what is seen through it takes its colour
+    bool tintsLight = false;   ///< what is seen through it takes its colour
+    bool closedVolume = false; ///< of glass that takes light on the way through it, by its faces
     bool doubleSided = false;
     bool castShadows = true; ///< its material's switch
     vec3 center{0.0f};       ///< of its bounds, object space

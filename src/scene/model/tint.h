@@ -1,7 +1,10 @@
 #pragma once
-// Materials whose glass gives passing light a colour.
+// What glass makes of light that passes.
 
+#include "halflight/base/mathematics.h"
 #include "halflight/scene/scene.h"
+
+#include <algorithm>
 
 namespace halflight {
 
@@ -24,6 +27,17 @@ inline bool colorsLight(const Material& material)
     const auto gray = [](vec3 color) { return color.x == color.y && color.x == color.z; };
     const bool base = passesBaseColor(material) && (!gray(vec3(material.baseColor)) || material.baseColorTexture);
     return base || (material.attenuates() && !gray(material.attenuationColor));
+}
+
+/// Of the volume behind a surface, in 1/m by colour; 0 where it has none (shading::volumeLeaves()).
+inline vec3 attenuationOf(const Material& material)
+{
+    constexpr float kLn2 = 0.69314718f;
+    constexpr float kBlack = 1.0e-30f; // a colour of 0 has a logarithm, and leaves nothing
+    vec3 perMeter(0.0f);
+    for (int c = 0; c < 3 && material.attenuates(); ++c)
+        perMeter[c] = -kLn2 * math::log2(std::max(material.attenuationColor[c], kBlack)) / material.attenuationMeters;
+    return perMeter;
 }
 
 } // namespace halflight

@@ -4,10 +4,10 @@
 #include "shading/srgb_table.h"
 #include "transport/trace/texture_filter.h"
 
-#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/color.h"
+#include "halflight/shading/coverage.h"
 
 #include <algorithm>
 
@@ -80,12 +80,7 @@ TransportMaterial transportMaterial(const Scene& scene, const Material& m)
     t.blended = m.isBlended();
     t.transmission = usable(m.transmissionTexture);
     t.thickness = usable(m.thicknessTexture);
-    if (m.attenuates()) {
-        constexpr float kLn2 = 0.69314718f;
-        constexpr float kBlack = 1.0e-30f; // a colour of 0 has a logarithm, and leaves nothing
-        for (int c = 0; c < 3; ++c)
-            t.attenuation[c] = -kLn2 * math::log2(std::max(m.attenuationColor[c], kBlack)) / m.attenuationMeters;
-    }
+    t.attenuation = attenuationOf(m);
     t.doubleSided = m.doubleSided;
     t.unlit = m.unlit;
     return t;
@@ -196,22 +191,16 @@ Materials::Glass Materials::glassAt(uint32_t triangle, vec2 barycentric, vec3 di
     return glass;
 }
 
-/// Share of light that the thickness behind a surface of no solid leaves, on a straight way. A thickness is in the
-/// mesh's space: along the normal n of the world it is |M^T n| times as much, M = world from object.
+/// Share of light that the thickness behind a surface of no solid leaves, on a straight way.
 vec3 Materials::thicknessLeaves(uint32_t triangle, vec2 barycentric, vec3 direction) const
 {
-    constexpr float kLeastCosine = 1.0e-4f;
     const TransportMaterial& material = of(triangle);
     const vec3 normal = geometry_.geometricNormal(triangle);
     const int object = geometry_.partOf(triangle).object;
     const mat3 worldFromObject(object < 0 ? mat4(1.0f) : scene_.objects[std::size_t(object)].worldFromObject);
-    const float scale = glm::length(glm::transpose(worldFromObject) * normal);
-    const float cosine = std::abs(glm::dot(normal, direction)) / glm::length(direction);
-    const float meters = material.source->thickness * dataAt(triangle, barycentric, material.thickness).y * scale /
-                         std::max(cosine, kLeastCosine);
-    vec3 leaves;
-    for (int c = 0; c < 3; ++c) leaves[c] = math::exp(-material.attenuation[c] * meters);
-    return leaves;
+    const float thickness = material.source->thickness * dataAt(triangle, barycentric, material.thickness).y;
+    const vec3 scaled = glm::transpose(worldFromObject) * normal;
+    return shading::volumeLeaves(material.attenuation, shading::wayThroughPane(thickness, normal, scaled, direction));
 }
 
 /// Of a texture at full resolution, filtered; 1 where there is none.

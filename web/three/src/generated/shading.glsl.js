@@ -587,4 +587,26 @@ vec3 hlReflectAreaLight(vec3 baseColor, float metallic, float roughness, float s
     float share = hlAreaSpecular(shape, roughness, n, v, toCenter, halfX, halfY);
     return (diffuse + hlAreaReflectance(f0, f90, roughness, n, v, toCenter, share) * share) * radiance;
 }
+const float hlNoCutoff = -3.0e38;
+const float hlFaceTransmittance = 0.96;
+float hlCoverageOf(float alpha, float cutoff, bool blended, float glass)
+{
+    if (alpha < cutoff) return 0.0;
+    return (blended ? hlSaturate(alpha) : 1.0) * (1.0 - glass);
+}
+vec3 hlPassedOf(float alpha, float cutoff, bool blended, float glass, vec3 base, bool tinted, vec3 behind)
+{
+    float there = alpha < cutoff ? 0.0 : (blended ? hlSaturate(alpha) : 1.0);
+    vec3 color = clamp(base, vec3(0.0), vec3(1.0));
+    return (1.0 - there) * (tinted ? color : vec3(1.0)) + there * glass * color * behind;
+}
+vec3 hlVolumeLeaves(vec3 attenuation, float meters)
+{
+    return vec3(exp(-attenuation.x * meters), exp(-attenuation.y * meters), exp(-attenuation.z * meters));
+}
+float hlWayThroughPane(float thickness, vec3 normal, vec3 scaled, vec3 direction)
+{
+    float cosine = abs(dot(normal, direction)) / length(direction);
+    return thickness * length(scaled) / max(cosine, 1.0e-4);
+}
 `;

@@ -13,6 +13,8 @@ export const kLightSpot = 2;
 export const kLightRectangle = 3;
 export const kLightDisk = 4;
 export const kReflectionLevels = 5;
+export const kNoCutoff = -3.0e38;
+export const kFaceTransmittance = 0.96;
 export const kLeastSight = 0.002;
 export const kLeastSightDeviation = 0.005;
 const mix = (a, b, t) => a * (1 - t) + b * t;
@@ -132,6 +134,11 @@ export function reflectionTileHeight(size) {
 /** @param {number} lightType @returns {boolean} */
 export function isAreaLight(lightType) {
     return lightType >= kLightRectangle;
+}
+/** @param {number} alpha @param {number} cutoff @param {boolean} blended @param {number} glass @returns {number} */
+export function coverageOf(alpha, cutoff, blended, glass) {
+    if (alpha < cutoff) return 0.0;
+    return (blended ? saturate(alpha) : 1.0) * (1.0 - glass);
 }
 /** @param {{x: number, y: number, z: number}} d @returns {number} */
 export function octahedralX(d) {

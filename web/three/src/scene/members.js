@@ -85,7 +85,8 @@ export class Members {
                 mesh.receiveShadow = before.receiveShadow;
                 mesh.layers.mask = before.layers;
             });
-            backend.patchMesh(mesh);
+            const undo = backend.patchMesh(mesh, object.fromFile);
+            if (undo) object.undo.push(undo);
         }
     }
 

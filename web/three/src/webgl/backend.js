@@ -89,9 +89,9 @@ export class WebGLBackend {
         return renderer.capabilities.maxTextures;
     }
 
-    /** @param {import('three').Mesh} mesh */
-    patchMesh(mesh) {
-        for (const material of [mesh.material].flat()) if (material.isMeshStandardMaterial) this.patches.apply(material);
+    /** @param {import('three').Mesh} mesh @param {boolean} fromFile whether the file or a clone holds it */
+    patchMesh(mesh, fromFile) {
+        for (const material of [mesh.material].flat()) if (material.isMeshStandardMaterial) this.patches.apply(material, fromFile);
     }
 
     /**

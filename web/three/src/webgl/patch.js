@@ -1,7 +1,8 @@
 // Patches MeshStandardMaterial and MeshPhysicalMaterial for WebGLRenderer through onBeforeCompile, and takes it back.
-import { ShaderChunk } from 'three';
+import { MeshBasicMaterial, ShaderChunk } from 'three';
 
 import shading from '../generated/shading.glsl.js';
+import { addLightOf, follow, glassOf, makePass } from '../scene/glass.js';
 import * as text from './shader_text.js';
 
 const HOOKS = ['onBeforeCompile', 'customProgramCacheKey', 'onBeforeRender'];
@@ -56,6 +57,22 @@ function hasLayers(material) {
     return material.ior !== 1.5 || material.specularColor.getHex() !== 0xffffff || material.specularColorMap !== null;
 }
 
+/** Defines of shaders of glass. */
+const glassDefines = ({ blended, tinted, share }) => [`HL_GLASS_SHARE ${share.toFixed(6)}`, `HL_GLASS_BLENDED ${blended}`, `HL_GLASS_TINTED ${tinted}`];
+
+/** Multiplies what is behind glass by what passes. */
+function glassPass(glass) {
+    const pass = makePass(new MeshBasicMaterial());
+    const defines = glassDefines(glass).map((define) => `#define ${define}\n`).join('');
+    pass.onBeforeCompile = (shader) => {
+        const where = 'the shader of glass';
+        shader.fragmentShader = replaceExactly(shader.fragmentShader, '#include <common>', `#include <common>\n${defines}${shading}`, 1, where);
+        shader.fragmentShader = replaceExactly(shader.fragmentShader, '#include <opaque_fragment>', text.fragmentGlass, 1, where);
+    };
+    pass.customProgramCacheKey = () => `halflight glass ${defines}`;
+    return pass;
+}
+
 export class MaterialPatches {
     /**
      * @param {Record<string, {value: any}>} uniforms @param {string[]} features defines of the shaders
@@ -71,24 +88,32 @@ export class MaterialPatches {
         this.patched = new Map();
     }
 
-    apply(material) {
+    /** @param {any} material @param {boolean} fromFile glass of the application is three.js's */
+    apply(material, fromFile) {
         if (this.patched.has(material)) return;
         const own = Object.fromEntries(HOOKS.map((name) => [name, Object.hasOwn(material, name) ? material[name] : null]));
-        this.patched.set(material, { ...own, shadowSide: material.shadowSide });
+        const glass = fromFile && !this.threeBrdf ? glassOf(material) : null;
+        const pass = glass ? glassPass(glass) : null;
+        const undoGlass = glass ? addLightOf(material) : null;
+        this.patched.set(material, { ...own, shadowSide: material.shadowSide, pass, undoGlass });
         const before = material.onBeforeCompile;
         const beforeKey = material.customProgramCacheKey.call({ onBeforeCompile: before });
-        const brdf = this.threeBrdf || hasLayers(material) ? ['HL_THREE_BRDF'] : [];
+        const kind = this.threeBrdf || hasLayers(material) ? ['HL_THREE_BRDF'] : [];
+        if (glass) kind.push(...glassDefines(glass));
         material.onBeforeCompile = (shader, renderer) => {
             before.call(material, shader, renderer);
-            this.patch(shader, [...this.features, ...brdf]);
+            this.patch(shader, [...this.features, ...kind]);
         };
-        material.customProgramCacheKey = () => `halflight ${[...this.features, ...brdf].join()} ${beforeKey}`;
+        material.customProgramCacheKey = () => `halflight ${[...this.features, ...kind].join()} ${beforeKey}`;
         const beforeRender = material.onBeforeRender;
         material.onBeforeRender = (renderer, scene, camera, geometry, object, group) => {
             beforeRender.call(material, renderer, scene, camera, geometry, object, group);
             // A vertex attribute without an array has one value for all vertices: three.js uploads a material's
             // uniforms once for all objects that share it, so they cannot hold what differs by object.
             renderer.getContext().vertexAttrib1f(text.ROW_LOCATION, this.rowOf(object, scene, material));
+            if (!pass) return;
+            follow(pass, material);
+            renderer.renderBufferDirect(camera, scene, geometry, pass, object, group);
         };
         material.shadowSide = 2; // DoubleSide: both sides stop the bake's rays
         material.needsUpdate = true;
@@ -110,7 +135,7 @@ export class MaterialPatches {
         fragment('#include <lights_physical_pars_fragment>', `#include <lights_physical_pars_fragment>\n${text.fragmentPars}`);
         fragment('#include <lights_fragment_begin>', text.fragmentBegin + this.loops + text.fragmentAreaLights);
         fragment('#include <aomap_fragment>', `#include <aomap_fragment>\n${text.fragmentIndirect}`);
-        fragment('#include <opaque_fragment>', `${text.fragmentView}\n#include <opaque_fragment>`);
+        fragment('#include <opaque_fragment>', `${text.fragmentView}${text.fragmentCoverage}\n#include <opaque_fragment>`);
         Object.assign(shader.uniforms, this.uniforms);
     }
 
@@ -130,6 +155,8 @@ export class MaterialPatches {
             else delete material[name];
         }
         material.shadowSide = own.shadowSide;
+        own.undoGlass?.();
+        own.pass?.dispose();
         material.needsUpdate = true;
     }
 

@@ -85,6 +85,18 @@ export const fragmentIndirect = `
 }
 `;
 
+/** What glass lets through, in place of its light. */
+export const fragmentGlass = `
+gl_FragColor = vec4(hlPassedOf(diffuseColor.a, hlNoCutoff, HL_GLASS_BLENDED, HL_GLASS_SHARE, diffuseColor.rgb, HL_GLASS_TINTED, vec3(1.0)), 1.0);
+`;
+
+/** How much of the light of glass is seen. */
+export const fragmentCoverage = `
+#ifdef HL_GLASS_SHARE
+diffuseColor.a = hlCoverageOf(diffuseColor.a, hlNoCutoff, HL_GLASS_BLENDED, HL_GLASS_SHARE);
+#endif
+`;
+
 export const fragmentView = `
 if (hlView != 0) outgoingLight = hlDebugView();
 `;

@@ -1,13 +1,15 @@
 // The bake as WebGPURenderer draws it: hooks on materials' lighting models. Materials stay the application's own.
-import { AmbientLight, BackSide, BoxGeometry, Color, DoubleSide, Mesh, MeshPhysicalNodeMaterial, MeshStandardNodeMaterial, NodeMaterial, Object3D, Matrix3, Vector2, Vector3, Vector4 } from 'three/webgpu';
-import { context, emissive, float, positionLocal, renderGroup, select, uniform, uniformArray, vec3, vec4 } from 'three/tsl';
+import { AmbientLight, BackSide, BoxGeometry, Color, DoubleSide, Mesh, MeshPhysicalNodeMaterial, MeshStandardNodeMaterial, NodeMaterial, Object3D, LightsNode, Matrix3, MeshBasicNodeMaterial, Vector2, Vector3, Vector4 } from 'three/webgpu';
+import { bool, context, diffuseColor, emissive, float, positionLocal, renderGroup, select, uniform, uniformArray, vec3, vec4 } from 'three/tsl';
 
 import { makeComposer } from '../groups/composer.js';
-import { kLightDisk, kLightRectangle } from '../generated/shading.js';
+import { kLightDisk, kLightRectangle, kNoCutoff } from '../generated/shading.js';
+import { hlCoverageOf, hlPassedOf } from '../generated/shading.tsl.js';
 import { hasColoredMasks } from '../scene/lights.js';
 import { MODES, VIEWS } from '../scene/modes.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
+import { addLightOf, follow, glassOf, makePass } from '../scene/glass.js';
 import { texturesOf } from '../scene/units.js';
 import { WebGPUPageDraws } from './compose.js';
 import { mirroredNormal, SceneNodes, skyNodes } from './nodes.js';
@@ -41,6 +43,19 @@ function setOwn(u, { flags, reach, cone, own }) {
 }
 
 const kindOf = (light) => (light.isDirectionalLight ? 'directional' : light.isSpotLight ? 'spot' : light.isPointLight ? 'point' : null);
+
+/** Multiplies what is behind glass by what passes. */
+function glassPass(glass) {
+    const { blended, tinted, share } = glass;
+    const pass = makePass(new MeshBasicNodeMaterial());
+    pass.lights = false;
+    pass.halflight = JSON.stringify(glass); // part of the program's key
+    pass.setupOutput = () => vec4(hlPassedOf(diffuseColor.a, float(kNoCutoff), bool(blended), float(share), diffuseColor.rgb, bool(tinted), vec3(1)), 1);
+    return pass;
+}
+
+/** Of a pass without lights. */
+const noLights = new LightsNode();
 
 export class WebGPUBackend {
     /** @param {import('../scene/scene.js').HalflightScene} scene */
@@ -84,6 +99,8 @@ export class WebGPUBackend {
         this.noLight = new AmbientLight(0x000000, 0); // without any light three.js leaves lighting out altogether
         this.noLight.clone = () => new Object3D();
         this.patched = new Map();
+        /** By material of glass: what multiplies, and what takes its change back. */
+        this.glass = new Map();
         // Lights with a shadow map reach the lighting model without their shadow, which the law applies.
         this.context = context(vec3(0), {
             getShadow: (lightNode, builder) => {
@@ -98,15 +115,34 @@ export class WebGPUBackend {
         return this.lights.get(light);
     }
 
-    patchMesh(mesh) {
-        for (const material of [mesh.material].flat()) if (material.isMeshStandardMaterial || material.isMeshStandardNodeMaterial) this.apply(material);
+    /** @param {boolean} fromFile whether the file or a clone holds it @returns {(() => void) | undefined} what takes back the change of the mesh itself */
+    patchMesh(mesh, fromFile) {
+        const materials = [mesh.material].flat().filter((m) => m.isMeshStandardMaterial || m.isMeshStandardNodeMaterial);
+        for (const material of materials) this.apply(material, fromFile);
+        if (!materials.some((material) => this.glass.has(material))) return undefined;
+        const own = Object.hasOwn(mesh, 'onBeforeRender') ? mesh.onBeforeRender : null;
+        const before = mesh.onBeforeRender;
+        mesh.onBeforeRender = (renderer, scene, camera, geometry, material, group) => {
+            before.call(mesh, renderer, scene, camera, geometry, material, group);
+            const pass = this.glass.get(material)?.pass;
+            if (!pass || scene.overrideMaterial) return;
+            follow(pass, material);
+            renderer.renderObject(mesh, scene, camera, geometry, pass, group, noLights);
+        };
+        return () => {
+            if (own) mesh.onBeforeRender = own;
+            else delete mesh.onBeforeRender;
+        };
     }
 
-    apply(material) {
+    /** @param {any} material @param {boolean} fromFile glass of the application is three.js's */
+    apply(material, fromFile) {
         if (this.patched.has(material)) return;
         const before = Object.fromEntries(HOOKS.filter((name) => Object.hasOwn(material, name)).map((name) => [name, material[name]]));
         this.patched.set(material, before);
         const backend = this;
+        const glass = fromFile ? glassOf(material) : null;
+        if (glass) this.glass.set(material, { pass: glassPass(glass), undo: addLightOf(material) });
         const base = material.isMeshPhysicalMaterial || material.isMeshPhysicalNodeMaterial ? MeshPhysicalNodeMaterial : MeshStandardNodeMaterial;
         material.setupLightingModel = function (builder) {
             return backend.lightingModel(base.prototype.setupLightingModel.call(this, builder));
@@ -117,10 +153,11 @@ export class WebGPUBackend {
         material.setupOutput = function (builder, output) {
             const lit = base.prototype.setupOutput.call(this, builder, output);
             const shown = select(backend.u.view.equal(0), vec3(0), emissive); // views show no emission
-            return vec4(lit.rgb.sub(shown), lit.a);
+            const alpha = glass ? hlCoverageOf(lit.a, float(kNoCutoff), bool(glass.blended), float(glass.share)) : lit.a;
+            return vec4(lit.rgb.sub(shown), alpha);
         };
         material.contextNode = this.context;
-        material.halflight = `${this.id} ${this.revision}`; // part of the program's key: another scene has other textures
+        material.halflight = this.keyOf(material);
         material.shadowSide = DoubleSide;
         material.needsUpdate = true;
     }
@@ -202,6 +239,9 @@ export class WebGPUBackend {
         const before = this.patched.get(material);
         if (!before) return;
         this.patched.delete(material);
+        this.glass.get(material)?.undo();
+        this.glass.get(material)?.pass.dispose();
+        this.glass.delete(material);
         for (const name of HOOKS) {
             if (Object.hasOwn(before, name)) material[name] = before[name];
             else delete material[name];
@@ -223,10 +263,15 @@ export class WebGPUBackend {
         return mesh;
     }
 
+    /** Part of the program's key: another scene has other textures. */
+    keyOf(material) {
+        return `${this.id} ${this.revision} ${this.glass.get(material)?.pass.halflight ?? ''}`;
+    }
+
     recompile() {
         this.revision += 1;
         for (const material of this.patched.keys()) {
-            material.halflight = `${this.id} ${this.revision}`;
+            material.halflight = this.keyOf(material);
             material.needsUpdate = true;
         }
     }
