@@ -20,11 +20,11 @@ export function findProgram() {
     return [process.env.HALFLIGHT_PROGRAM, ...builds].find((path) => path && existsSync(path)) ?? null;
 }
 
-/** Why the tests of pictures cannot run, null where they can. */
-export function missing() {
+/** Why pictures cannot be drawn, null where they can. @param {{program?: boolean}} [needs] whether the program draws some */
+export function missing({ program = true } = {}) {
     if (!findChromium()) return 'no Chromium found: install the package chromium';
     if (!existsSync(join(web, 'node_modules/three'))) return 'no packages found: run npm install in web/';
-    if (!findProgram()) return 'no halflight program found: build it, or set HALFLIGHT_PROGRAM';
+    if (program && !findProgram()) return 'no halflight program found: build it, or set HALFLIGHT_PROGRAM';
     return null;
 }
 
