@@ -60,6 +60,21 @@ def decode_png(path):
     return width, height, rows
 
 
+def edited(source, target, change):
+    """A copy of a GLB whose JSON went through `change`."""
+    data = read(source)
+    (length,) = struct.unpack("<I", data[12:16])
+    document = json.loads(data[20 : 20 + length])
+    change(document)
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    rest = data[20 + length :]
+    with open(target, "wb") as file:
+        file.write(b"glTF" + struct.pack("<II", 2, 20 + len(text) + len(rest)))
+        file.write(struct.pack("<I", len(text)) + b"JSON" + text + rest)
+    return target
+
+
 class Case(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()

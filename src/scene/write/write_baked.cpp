@@ -9,6 +9,7 @@
 #include "scene/read/read_baked.h"
 #include "scene/settings/settings.h"
 #include "scene/write/make_document.h"
+#include "scene/write/variant_groups.h"
 #include "scene/write/write_bake_pictures.h"
 #include "scene/write/write_groups.h"
 #include "scene/write/write_lights.h"
@@ -23,7 +24,6 @@
 namespace halflight {
 namespace {
 constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
-constexpr const char* kMaterialExtension = "HALFLIGHT_material";
 
 class Writer {
 public:

@@ -60,9 +60,10 @@ bool hasValidSources(const MeshPart& part, std::size_t sourceCount)
 
 } // namespace
 
-MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
+MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const BakedScene& baked,
                        const std::vector<FileLayout>& layouts, const std::vector<int>& materials)
-    : patcher_(patcher), source_(source), scene_(scene), layouts_(layouts), materials_(materials), sides_(patcher)
+    : patcher_(patcher), source_(source), scene_(baked.scene), layouts_(layouts), materials_(materials),
+      sides_(patcher), variants_(patcher, source, baked, materials)
 {}
 
 // The accessor with one element per vertex of the part, copied byte by byte: no format changes on the way. `between`
@@ -202,6 +203,7 @@ Result<Json> MeshWriter::patchedMesh(int sceneMesh)
             hasPart = true;
             primitives.push_back(primitive);
             if (isCopied(part)) primitives.back()["material"] = materials_[std::size_t(part.material)];
+            variants_.setIn(primitives.back(), part.material);
             if (part.lightmapUv.empty()) continue;
             auto json =
                 primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitives.back(), path + std::to_string(s));

@@ -5,6 +5,7 @@
 #include "scene/format/lightmap_layout.h"
 #include "scene/format/material_sides.h"
 #include "scene/write/cut_attributes.h"
+#include "scene/write/variant_groups.h"
 
 #include "halflight/scene/baked_scene.h"
 
@@ -14,7 +15,7 @@ namespace halflight {
 class MeshWriter {
 public:
     /// `layouts`: of each scene mesh. `materials`: in the file, of each scene material. Both outlive this.
-    MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
+    MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const BakedScene& baked,
                const std::vector<FileLayout>& layouts, const std::vector<int>& materials);
 
     /// Whether the part has a copy of its source's material, which a light group made.
@@ -36,6 +37,7 @@ private:
     const std::vector<FileLayout>& layouts_;
     const std::vector<int>& materials_;
     MaterialSides sides_;
+    VariantGroups variants_;
     std::map<int, std::size_t> indexOf_;                                      ///< by scene mesh: index into meshes_
     std::vector<std::pair<int, Json>> meshes_;                                ///< source mesh, JSON
     std::vector<std::pair<int, std::size_t>> nodes_;                          ///< node, index into meshes_

@@ -26,7 +26,7 @@ Json recordOf(const Object& object)
 NodeWriter::NodeWriter(DocumentPatcher& patcher, const SourceDocument& source, const BakedScene& baked,
                        const AtBake& atBake, const std::vector<int>& materials)
     : patcher_(patcher), source_(source), baked_(baked), scene_(baked.scene), atBake_(atBake),
-      layouts_(fileLayouts(scene_, source_)), meshes_(patcher_, source_, scene_, layouts_, materials)
+      layouts_(fileLayouts(scene_, source_)), meshes_(patcher_, source_, baked, layouts_, materials)
 {}
 
 Status NodeWriter::write()

@@ -7,34 +7,18 @@ import json
 import math
 import os
 import resource
-import struct
 import subprocess
 import sys
 import unittest
 
 import cli_case
-from cli_case import QUICK, Case, decode_png, read, run
+from cli_case import QUICK, Case, decode_png, edited, read, run
 
 VIEW = ["--size", "160x120", "--exposure", "1.5"]
 
 
 def cases(*parts):
     return os.path.join(cli_case.SHARED, "cases", *parts)
-
-
-def edited(source, target, change):
-    """A copy of a GLB whose JSON went through `change`."""
-    data = read(source)
-    (length,) = struct.unpack("<I", data[12:16])
-    document = json.loads(data[20 : 20 + length])
-    change(document)
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    rest = data[20 + length :]
-    with open(target, "wb") as file:
-        file.write(b"glTF" + struct.pack("<II", 2, 20 + len(text) + len(rest)))
-        file.write(struct.pack("<I", len(text)) + b"JSON" + text + rest)
-    return target
 
 
 class SharedCase(Case):

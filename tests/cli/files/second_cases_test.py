@@ -9,8 +9,8 @@ import shutil
 import struct
 
 import cli_case
-from cases_test import SharedCase, cases, edited
-from cli_case import QUICK, Case, decode_png, read, run
+from cases_test import SharedCase, cases
+from cli_case import QUICK, Case, decode_png, edited, read, run
 
 LUMENS_PER_WATT = 683.0
 
