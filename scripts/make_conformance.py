@@ -32,12 +32,16 @@ FILES = (
      ["main"], []),
     ("light_groups", "light groups: saved weights, and others", ["--texels-per-meter", "4", "--directional", "on", "--probe-layout", "grid", "--probe-spacing", "1",
                                                                 "--reflection-probes", "off"], ["main"], []),
+    ("metal_rooms", "reflection probes of light groups, under a sky that changes",
+     ["--texels-per-meter", "3", "--probe-layout", "grid", "--probe-spacing", "1.5", "--directional", "off"], ["main"], []),
 )
 
 # By file, where not all modes are drawn: realtime shadows of glass are grey, and three.js has its own.
-MODES_OF = {"coloured_glass": ("shadowmask", "distance-shadowmask")}
+MODES_OF = {"coloured_glass": ("shadowmask", "distance-shadowmask"), "metal_rooms": ("realtime", "shadowmask")}
 # Weights of light groups by file, in pictures after those of the saved weights.
-STATES = {"light_groups": {"lamp": [2, 3, 9], "sun": [0, 0, 0], "west": [0.1, 0.2, 0], "east": [0, 0, 0], "day": [0.02, 0.05, 0.3]}}
+STATES = {"light_groups": {"lamp": [2, 3, 9], "sun": [0, 0, 0], "west": [0.1, 0.2, 0], "east": [0, 0, 0], "day": [0.02, 0.05, 0.3]},
+          "metal_rooms": {"lamp": [1, 2, 4], "sun": [0.1, 0.05, 0], "west": [1, 0.1, 0], "east": [0, 0, 0], "sky.zenith": [0.1, 0.2, 1],
+                          "sky.horizon": [6, 2, 0.5], "sky.ground": [0, 0.3, 0]}}
 
 
 def run(*arguments):

@@ -156,9 +156,9 @@ def coloured_glass():
     return doc
 
 
-def light_groups():
+def light_groups(name="light_groups"):
     """Two rooms with a window each: sun and sky are light groups, and so are a lamp and the strips of each room, of one material."""
-    doc = document("light_groups", ("white", "red", "grey"), ([2.0, 2.6, 4.0], [2.4, 2.6, 3.0], [0.6, 0.5, 0.4]))
+    doc = document(name, ("white", "red", "grey"), ([2.0, 2.6, 4.0], [2.4, 2.6, 3.0], [0.6, 0.5, 0.4]))
     doc.material("neon", (0.1, 0.1, 0.1), 1.0, emissive=(1.0, 0.73, 0.47), strength=30.0)
     shell = [m.box(-4.2, -0.2, -2.2, 4.2, 0, 2.2), m.box(-4.2, 2.6, -2.2, 4.2, 2.8, 2.2), m.box(-4.2, 0, -2.2, 4.2, 2.6, -2),
              m.box(-4.2, 0, -2, -4, 2.6, 2.2), m.box(4, 0, -2, 4.2, 2.6, 2.2), m.box(-0.1, 0, -2, 0.1, 2.6, 2)]
@@ -176,6 +176,17 @@ def light_groups():
     doc.light("sun", "directional", (1, 0.95, 0.85), 40.0, (3, 5, 6), (0, 0, 0), extras={"halflight_mode": "baked", "halflight_group": "sun"})
     doc.camera("main", (-0.5, 1.7, 1.7), (-2.9, 0.8, -1.2), 75)
     doc.json["scenes"][0]["extras"]["halflight_sky_group"] = "day"
+    return doc
+
+
+def metal_rooms():
+    """The same rooms of metal, under a sky that changes: what one sees of the groups is in reflection probes."""
+    doc = light_groups("metal_rooms")
+    extras = doc.json["scenes"][0]["extras"]
+    del extras["halflight_sky_group"]
+    extras["halflight_sky_changes"] = 1
+    for material in doc.json["materials"]:
+        material["pbrMetallicRoughness"].update(metallicFactor=1.0, roughnessFactor=0.3)
     return doc
 
 
@@ -396,5 +407,5 @@ def instances_1023():
 
 
 if __name__ == "__main__":
-    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, thirteen_lights, coloured_glass, light_groups, sphere_on_floor, area_lights, two_rooms, proxy_volume,
+    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, thirteen_lights, coloured_glass, light_groups, metal_rooms, sphere_on_floor, area_lights, two_rooms, proxy_volume,
                                 avenue, four_lights, probe_hall, instances_1023, bumpy_wall, sheets))
