@@ -1,6 +1,7 @@
 // S35. Coloured masks with bake --cache, --only and farm: bytes of a bake without, and glass that changes its colour.
 
 #include "bake/cache/cache.h"
+#include "bake/lights/group_states.h"
 #include "bake/same_bakes.h"
 #include "bake/test_scene.h"
 #include "base/temp_folder.h"
@@ -63,13 +64,6 @@ BakeSettings settingsOf(const std::filesystem::path& cache = {})
     settings.reflectionProbes = false;
     settings.cacheDirectory = cache;
     return settings;
-}
-
-BakeResult bakeOf(const Scene& scene, const BakeSettings& settings)
-{
-    Result<BakeResult> result = bake(scene, settings, embreeIntegrators());
-    EXPECT_TRUE(result) << (result ? "" : result.error().text());
-    return result ? std::move(*result) : BakeResult();
 }
 
 const BakeResult& redBake()

@@ -1,6 +1,7 @@
 // S33. Light groups with bake --cache, --only and farm: bytes of a bake without, and each group's own changes.
 
 #include "bake/cache/cache.h"
+#include "bake/lights/group_states.h"
 #include "bake/same_bakes.h"
 #include "bake/test_scene.h"
 #include "base/temp_folder.h"
@@ -57,13 +58,6 @@ BakeSettings settingsOf(const std::filesystem::path& cache = {})
     settings.directional = true;
     settings.cacheDirectory = cache;
     return settings;
-}
-
-BakeResult bakeOf(const Scene& scene, const BakeSettings& settings)
-{
-    Result<BakeResult> result = bake(scene, settings, embreeIntegrators());
-    EXPECT_TRUE(result) << (result ? "" : result.error().text());
-    return result ? std::move(*result) : BakeResult();
 }
 
 const BakeResult& plainBake()
