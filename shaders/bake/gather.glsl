@@ -27,8 +27,6 @@ layout(buffer_reference, scalar) buffer Clusters { GpuCluster at[]; };
 layout(buffer_reference, scalar) buffer SourceTriangles { GpuSourceTriangle at[]; };
 layout(buffer_reference, scalar) buffer AliasBins { GpuAliasBin at[]; };
 layout(buffer_reference, scalar) buffer Members { GpuMember at[]; };
-layout(buffer_reference, scalar) buffer Vectors { vec3 at[]; };
-layout(buffer_reference, scalar) buffer Pairs { vec2 at[]; };
 
 // GpuGather::Tables: what a map's gather reads.
 layout(buffer_reference, scalar) buffer Tables

@@ -11,6 +11,7 @@ struct NearestPayload
 // Before the ray is traced `face` says which surfaces it meets.
 const uint kAllFaces = 0u;
 const uint kNoHiddenBacks = 1u;
+const uint kCountSolids = 2u; // meets none, but adds solids left minus entered to barycentric.x
 
 struct ThroughPayload
 {

@@ -21,6 +21,8 @@ const float kLongestRay = 1.0e30;
 layout(buffer_reference, scalar) buffer Rays { GpuRay at[]; };
 layout(buffer_reference, scalar) buffer Hits { GpuHit at[]; };
 layout(buffer_reference, scalar) buffer Floats { float at[]; };
+layout(buffer_reference, scalar) buffer Vectors { vec3 at[]; };
+layout(buffer_reference, scalar) buffer Pairs { vec2 at[]; };
 layout(buffer_reference, scalar) buffer Slots { GpuSlot at[]; };
 layout(buffer_reference, scalar) buffer Words { uint at[]; };
 layout(buffer_reference, scalar) buffer MaskedTriangles { GpuMaskedTriangle at[]; };

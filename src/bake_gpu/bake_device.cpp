@@ -18,6 +18,7 @@
 #include "shaders/bake/transmittance.rahit.h"
 #include "shaders/bake/transmittance.rgen.h"
 #include "shaders/bake/transmittance.rmiss.h"
+#include "shaders/bake/validity.rgen.h"
 
 #include <cctype>
 
@@ -35,7 +36,9 @@ BakeDevice::BakeDevice(const BakeDeviceOptions& options)
               sizeof(TracePush)),
       transmittance_(device_, {bake_transmittance_rgen, bake_transmittance_rmiss, {}, bake_transmittance_rahit},
                      sizeof(TracePush)),
-      crossings_(device_, {bake_crossings_rgen, bake_crossings_rmiss, {}, bake_crossings_rahit}, sizeof(TracePush))
+      crossings_(device_, {bake_crossings_rgen, bake_crossings_rmiss, {}, bake_crossings_rahit}, sizeof(TracePush)),
+      validity_(device_, {bake_validity_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
+                sizeof(TracePush))
 {
     constexpr uint32_t kPush = 2 * sizeof(VkDeviceAddress);
     gatherRays_ = {device_, bake_gather_rays_comp, kPush};
@@ -60,13 +63,20 @@ void BakeDevice::crossings(VkCommandBuffer commands, const TracePush& push, uint
     crossings_.run(commands, gpu::bytesOf(push), count);
 }
 
+void BakeDevice::validity(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
+{
+    validity_.run(commands, gpu::bytesOf(push), count);
+}
+
 std::string BakeDevice::identity() const
 {
     Hasher hasher;
     for (const std::span<const uint32_t> shader : std::initializer_list<std::span<const uint32_t>>{
              bake_crossings_rahit, bake_crossings_rgen, bake_fronts_rgen, bake_gather_light_comp, bake_gather_rays_comp,
              bake_gather_sources_comp, bake_gather_sums_comp, bake_nearest_rahit, bake_nearest_rchit, bake_nearest_rgen,
-             bake_paths_paths_rgen, bake_transmittance_rahit, bake_transmittance_rgen})
+             bake_paths_paths_rgen, bake_transmittance_rahit, bake_transmittance_rgen, bake_validity_rgen})
+        hasher.bytes(shader.data(), shader.size_bytes());
+    for (const std::span<const uint32_t> shader : ShadowPipelines::shaders())
         hasher.bytes(shader.data(), shader.size_bytes());
     std::string identity = "gpu-" + name() + "-" + device_.driver() + "-" + hasher.hash().hex().substr(0, 8);
     for (char& c : identity)
@@ -76,7 +86,7 @@ std::string BakeDevice::identity() const
 
 const gpu::RayPipeline& BakeDevice::paths()
 {
-    const std::lock_guard lock(pathsMutex_);
+    const std::lock_guard lock(laterMutex_);
     if (!paths_)
         paths_.emplace(device_,
                        gpu::RayShaders{bake_paths_paths_rgen,
@@ -90,9 +100,16 @@ const gpu::RayPipeline& BakeDevice::paths()
 
 const DenoisePipelines& BakeDevice::denoise()
 {
-    const std::lock_guard lock(denoiseMutex_);
+    const std::lock_guard lock(laterMutex_);
     if (!denoise_) denoise_.emplace(device_);
     return *denoise_;
+}
+
+const ShadowPipelines& BakeDevice::shadows()
+{
+    const std::lock_guard lock(laterMutex_);
+    if (!shadows_) shadows_.emplace(device_);
+    return *shadows_;
 }
 
 Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options)

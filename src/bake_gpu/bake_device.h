@@ -2,6 +2,7 @@
 // The Vulkan device of a bake, and the pipelines that trace rays on it.
 
 #include "bake_gpu/denoise_pipelines.h"
+#include "bake_gpu/shadows/shadow_pipelines.h"
 #include "gpu/acceleration.h"
 
 #include "halflight/bake_gpu/gpu_integrator.h"
@@ -32,6 +33,8 @@ public:
     void nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
     void transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
     void crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
+    /// Tests of `count` texels' points (shaders/bake/validity.rgen), in the same way; `results` are its lists.
+    void validity(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
     /// Steps of the final gather (shaders/bake/gather_*.comp).
     [[nodiscard]] const gpu::ComputePipeline& gatherRays() const { return gatherRays_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherLight() const { return gatherLight_; }
@@ -41,6 +44,8 @@ public:
     const gpu::RayPipeline& paths();
     /// The denoiser's shaders, made when they are first asked for. Throws gpu::Failure.
     const DenoisePipelines& denoise();
+    /// The same around shadow rays.
+    const ShadowPipelines& shadows();
     [[nodiscard]] std::string name() const { return device_.properties().deviceName; }
     /// "gpu-" with the device's name, its driver's version and a hash of the shaders: what decides the bytes.
     [[nodiscard]] std::string identity() const;
@@ -51,14 +56,15 @@ private:
     gpu::RayPipeline fronts_;
     gpu::RayPipeline transmittance_;
     gpu::RayPipeline crossings_;
+    gpu::RayPipeline validity_;
     gpu::ComputePipeline gatherRays_;
     gpu::ComputePipeline gatherLight_;
     gpu::ComputePipeline gatherSources_;
     gpu::ComputePipeline gatherSums_;
-    std::mutex pathsMutex_; ///< guards paths_
+    std::mutex laterMutex_; ///< guards what follows
     std::optional<gpu::RayPipeline> paths_;
-    std::mutex denoiseMutex_; ///< guards denoise_
     std::optional<DenoisePipelines> denoise_;
+    std::optional<ShadowPipelines> shadows_;
 };
 
 /// Copies a list to a buffer that shaders find by its address, and trees are built from.

@@ -1,6 +1,8 @@
 #include "bake_gpu/kernels.h"
 
 #include "bake_gpu/gather/gather.h"
+#include "bake_gpu/shadows/shadows.h"
+#include "bake_gpu/shadows/validity.h"
 
 #include <algorithm>
 #include <cstring>
@@ -94,6 +96,30 @@ Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTabl
     if (scene_.anyTinted()) return std::unique_ptr<DeviceGather>();
     try {
         return std::unique_ptr<DeviceGather>(std::make_unique<GpuGather>(*device_, gpuScene_, tables));
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+}
+
+Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTables& tables) const
+{
+    const bool any = std::any_of(tables.lights.begin(), tables.lights.end(),
+                                 [](const PunctualLight& light) { return light.channel >= 0 || light.directAtTexels; });
+    if (scene_.anyTinted() || !any) return std::unique_ptr<DeviceShadows>();
+    try {
+        return std::unique_ptr<DeviceShadows>(std::make_unique<GpuShadows>(*device_, gpuScene_, tables));
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+}
+
+Result<std::unique_ptr<DeviceValidity>> GpuKernels::prepareValidity() const
+{
+    if (scene_.anyTinted()) return std::unique_ptr<DeviceValidity>();
+    const std::vector<uint8_t>& solid = scene_.geometry().solid;
+    const bool anySolid = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
+    try {
+        return std::unique_ptr<DeviceValidity>(std::make_unique<GpuValidity>(*device_, gpuScene_, anySolid));
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }

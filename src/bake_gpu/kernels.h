@@ -22,6 +22,8 @@ public:
         return cpu_->trianglesNear(center, radius, most, triangles);
     }
     [[nodiscard]] Result<std::unique_ptr<DeviceGather>> prepareGather(const GatherTables& tables) const override;
+    [[nodiscard]] Result<std::unique_ptr<DeviceShadows>> prepareShadows(const ShadowTables& tables) const override;
+    [[nodiscard]] Result<std::unique_ptr<DeviceValidity>> prepareValidity() const override;
     [[nodiscard]] std::string describe(const std::string& method) const override;
     [[nodiscard]] std::size_t peakBytes() const override { return cpu_->peakBytes(); }
 

@@ -62,9 +62,11 @@ public:
     Status shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
                       const Progress& progress) override
     {
+        const auto device = deviceShadows();
+        if (!device) return device.error();
         const ShadowPass pass{
-            paths_,   pattern_,     map,  gridOf(map), request.texels, shadowSamplesOf(request), kTimesOnMaskEdges,
-            progress, "shadowmask", rays_};
+            paths_,   pattern_,     map,   gridOf(map), request.texels, shadowSamplesOf(request), kTimesOnMaskEdges,
+            progress, "shadowmask", rays_, *device};
         return traceMaskLayer(pass, settings_.seed ^ kShadowSeed, layer, out);
     }
 
@@ -127,6 +129,17 @@ private:
         }
         return *grid_;
     }
+    /// The device that traces shadow rays; null: the processor does.
+    Result<const DeviceShadows*> deviceShadows()
+    {
+        if (!shadows_) {
+            const ShadowTables tables{paths_.surfaces(), paths_.light().lights(), pattern_};
+            auto made = paths_.surfaces().kernels().prepareShadows(tables);
+            if (!made) return made.error();
+            shadows_ = std::move(*made);
+        }
+        return static_cast<const DeviceShadows*>(shadows_->get());
+    }
 
     IntegrationSettings settings_;
     PathTracer paths_;
@@ -134,6 +147,7 @@ private:
     std::unique_ptr<TexelGrid> grid_; ///< of the map of the last call
     const TexelMap* gridMap_ = nullptr;
     std::size_t gridTexels_ = 0;
+    std::optional<std::unique_ptr<DeviceShadows>> shadows_; ///< deviceShadows(), once it was asked for
     std::atomic<uint64_t> rays_{0};
 };
 
@@ -152,10 +166,12 @@ public:
     {
         const TexelLight out{texels, components};
         if (Status s = withoutBakedLights(request, out, progress); !s || request.rough) return s;
+        const auto device = all_.deviceShadows();
+        if (!device) return device.error();
         const ShadowPass pass{all_.paths_,        all_.pattern_,  map_,
                               all_.gridOf(map_),  request.texels, all_.shadowSamplesOf(request),
                               kTimesOnLightEdges, progress,       "lights",
-                              all_.rays_};
+                              all_.rays_,         *device};
         return addBakedLights(pass, all_.settings_.seed ^ kDirectSeed, out);
     }
     Status prepareAll(const Progress& progress) override

@@ -1,4 +1,5 @@
 #include "halflight/shading/sampling.h"
+#include "halflight/shading/sobol.h"
 
 #include <gtest/gtest.h>
 #include <vector>
@@ -110,6 +111,37 @@ TEST(Sampling, PowerHeuristicWeightsSumToOne)
         }
     }
     EXPECT_EQ(powerHeuristic(0.0f, 0.0f), 0.0f);
+}
+
+/// The generator matrix of the second dimension, column by column: each is the one before and its half (Sobol' 1967).
+TEST(Sampling, SobolsSecondDimensionIsItsMatrixTimesTheIndex)
+{
+    uint index = 1;
+    for (int i = 0; i < 10000; ++i, index = hashPcg(index)) {
+        uint expected = 0;
+        uint column = 0x80000000u;
+        for (uint bit = 0; bit < 32; ++bit, column ^= column >> 1)
+            if (((index >> bit) & 1u) != 0) expected ^= column;
+        ASSERT_EQ(reversedBits(sobolSecondReversed(index)), expected) << index;
+    }
+}
+
+/// Every interval of 2^-k by 2^(k-10) holds one of 1,024 scrambled points, whatever the seed.
+TEST(Sampling, ScrambledSobolPointsAreStratified)
+{
+    constexpr uint kBits = 10;
+    for (const uint seed : {1u, 77u, 0xdeadbeefu}) {
+        for (uint k = 0; k <= kBits; ++k) {
+            std::vector<int> found(std::size_t(1) << kBits);
+            for (uint i = 0; i < found.size(); ++i) {
+                const uvec2 p = scrambledSobol(i, seed);
+                const uint column = k == 0 ? 0u : p.x >> (32u - k);
+                const uint row = k == kBits ? 0u : p.y >> (32u - (kBits - k));
+                ++found[(column << (kBits - k)) | row];
+            }
+            for (const int count : found) ASSERT_EQ(count, 1) << "seed " << seed << ", k " << k;
+        }
+    }
 }
 
 } // namespace

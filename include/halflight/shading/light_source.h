@@ -14,7 +14,8 @@ struct LightSource {
     vec3 axis;
     vec3 tangent; // with bitangent and axis an orthonormal basis
     vec3 bitangent;
-    float range;
+    float range; // metres; 0 = unlimited
+    float reach; // metres covered by the light's mask channel; 0 = unlimited
     vec2 spotConstants;
     vec3 halfWidth; // area lights: along their X and Y, metres
     vec3 halfHeight;
@@ -83,16 +84,21 @@ HL_FN vec3 areaRadianceAt(HL_IN(LightSource) light, vec3 point)
     return light.colorIntensity * rangeWindow(dot(toCenter, toCenter), light.range);
 }
 
-// Unoccluded irradiance by a light, or by the part of an area light that a point of the disc stands for, times a
-// multiplier and over a probability.
+// Unoccluded irradiance by a light, or by the part of an area light that `ray` from the point stands for.
+HL_FN vec3 irradianceByRay(HL_IN(LightSource) light, HL_IN(LightRay) ray, vec3 point, vec3 normal)
+{
+    if (isAreaLight(light.type))
+        return areaRadianceAt(light, point) * (ray.solidAngle * max(dot(normal, ray.direction), 0.0f));
+    LightSample from = lightAt(light, point);
+    return from.illuminance * max(dot(normal, from.direction), 0.0f);
+}
+
+// The same, with a point of the disc, times a multiplier and over a probability.
 HL_FN vec3 sampledIrradiance(HL_IN(LightSource) light, vec3 point, vec3 normal, vec2 disc, float multiplier,
                              float probability)
 {
-    if (isAreaLight(light.type)) {
-        LightRay ray = sampleLightRay(light, point, disc);
-        return areaRadianceAt(light, point) * (ray.solidAngle * max(dot(normal, ray.direction), 0.0f)) *
-               (multiplier / probability);
-    }
+    if (isAreaLight(light.type))
+        return irradianceByRay(light, sampleLightRay(light, point, disc), point, normal) * (multiplier / probability);
     LightSample from = lightAt(light, point);
     float cosine = dot(normal, from.direction);
     return cosine > 0.0f ? from.illuminance * (cosine * multiplier / probability) : vec3(0.0f);

@@ -8,7 +8,7 @@
 
 HL_NAMESPACE_BEGIN
 
-HL_FN uint reverseBits(uint x)
+HL_FN uint reversedBits(uint x)
 {
     x = (x << 24u) | ((x & 0xff00u) << 8u) | ((x >> 8u) & 0xff00u) | (x >> 24u);
     x = ((x & 0x0f0f0f0fu) << 4u) | ((x >> 4u) & 0x0f0f0f0fu);
@@ -16,42 +16,42 @@ HL_FN uint reverseBits(uint x)
     return ((x & 0x55555555u) << 1u) | ((x >> 1u) & 0x55555555u);
 }
 
-// Nested uniform scramble, high bits first (Laine and Karras 2011, with the constants of Vegdahl 2021).
-HL_FN uint owenScramble(uint x, uint seed)
+// Nested uniform scramble of a number whose bits are reversed (Laine and Karras 2011, with the constants of Vegdahl
+// 2021). The result has its bits in order.
+HL_FN uint owenScrambleOfReversed(uint x, uint seed)
 {
-    x = reverseBits(x);
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16u) | 1u;
     x ^= x * 0x05526c56u;
     x ^= x * 0x53a22864u;
-    return reverseBits(x);
+    return reversedBits(x);
+}
+HL_FN uint owenScramble(uint x, uint seed)
+{
+    return owenScrambleOfReversed(reversedBits(x), seed);
 }
 
-// Point `index` of the sequence as 32-bit fractions. The generator matrix of the second dimension is Pascal's triangle
-// modulo 2, a Kronecker power of (1 1; 0 1): one step for each of its five factors.
-HL_FN uint sobolFirst(uint index)
+// The second dimension, with its bits reversed: Pascal's triangle modulo 2 times the index. As a polynomial over the
+// field of two elements that is p(x + 1), by halves, since (x + 1)^(2^k) is x^(2^k) + 1.
+HL_FN uint sobolSecondReversed(uint index)
 {
-    return reverseBits(index);
-}
-HL_FN uint sobolSecond(uint index)
-{
-    uint x = reverseBits(index);
-    x ^= x << 16u;
-    x ^= (x & 0x00ff00ffu) << 8u;
-    x ^= (x & 0x0f0f0f0fu) << 4u;
-    x ^= (x & 0x33333333u) << 2u;
-    return x ^ (x & 0x55555555u) << 1u;
+    index ^= index >> 16u;
+    index ^= (index & 0xff00ff00u) >> 8u;
+    index ^= (index & 0xf0f0f0f0u) >> 4u;
+    index ^= (index & 0xccccccccu) >> 2u;
+    return index ^ ((index & 0xaaaaaaaau) >> 1u);
 }
 
-// Scrambled, not shuffled.
-HL_FN uint scrambledFirst(uint index, uint seed)
+// Both coordinates of point `index` as fractions of 32 bits: scrambled, not shuffled.
+HL_FN uint scrambledSobolFirst(uint index, uint seed)
 {
-    return owenScramble(sobolFirst(index), hashPcg(seed + 1u));
+    return owenScrambleOfReversed(index, hashPcg(seed + 1u)); // the first dimension is the index with reversed bits
 }
-HL_FN uint scrambledSecond(uint index, uint seed)
+HL_FN uvec2 scrambledSobol(uint index, uint seed)
 {
-    return owenScramble(sobolSecond(index), hashPcg(seed + 2u));
+    return uvec2(scrambledSobolFirst(index, seed),
+                 owenScrambleOfReversed(sobolSecondReversed(index), hashPcg(seed + 2u)));
 }
 
 struct PathSampler {
@@ -75,7 +75,8 @@ HL_FN vec2 nextPair(HL_INOUT(PathSampler) numbers)
     uint seed = hashCombine(numbers.texel, numbers.dimension);
     numbers.dimension += 1u;
     uint index = owenScramble(numbers.number, seed);
-    return vec2(unitFloat(scrambledFirst(index, seed)), unitFloat(scrambledSecond(index, seed)));
+    uvec2 bits = scrambledSobol(index, seed);
+    return vec2(unitFloat(bits.x), unitFloat(bits.y));
 }
 
 // The first of the next pair alone.
@@ -83,7 +84,7 @@ HL_FN float nextNumber(HL_INOUT(PathSampler) numbers)
 {
     uint seed = hashCombine(numbers.texel, numbers.dimension);
     numbers.dimension += 1u;
-    return unitFloat(scrambledFirst(owenScramble(numbers.number, seed), seed));
+    return unitFloat(scrambledSobolFirst(owenScramble(numbers.number, seed), seed));
 }
 
 // Russian roulette (Arvo and Kirk 1990, "Particle Transport and Image Synthesis"): whether a path goes on, with

@@ -2,6 +2,8 @@
 #ifndef HALFLIGHT_BAKE_PATH_TABLES_GLSL
 #define HALFLIGHT_BAKE_PATH_TABLES_GLSL
 
+#include "../mathematics.glsl"
+
 #include "../gather.glsl"
 
 #include "bake_gpu/gather/path_layout.h"

@@ -16,7 +16,7 @@ public:
           positions_(geometry.cornersOf(triangle)), normals_(geometry.normalsOf(triangle))
     {
         flat_ = normals_[0] == normals_[1] && normals_[0] == normals_[2];
-        if (flat_) normals_[0] = shadingNormal(normals_[0]);
+        if (flat_) normals_[0] = shading::shadingNormalOf(normals_[0], geometricNormal_);
     }
     /// Writes the point at barycentric weights (of vertices 1 and 2) to `p`. An output parameter avoids
     /// store-forwarding stalls of copies.
@@ -27,8 +27,10 @@ public:
         p.barycentric = barycentric;
         p.position = w * positions_[0] + barycentric.x * positions_[1] + barycentric.y * positions_[2];
         p.geometricNormal = geometricNormal_;
-        p.normal = flat_ ? normals_[0]
-                         : shadingNormal(w * normals_[0] + barycentric.x * normals_[1] + barycentric.y * normals_[2]);
+        p.normal =
+            flat_ ? normals_[0]
+                  : shading::shadingNormalOf(
+                        w * normals_[0] + barycentric.x * normals_[1] + barycentric.y * normals_[2], geometricNormal_);
     }
 
 private:

@@ -2,14 +2,12 @@
 // Where texels lie, and when two of them lie on one surface.
 
 #include "halflight/bake/integrator.h"
+#include "halflight/shading/texel_points.h"
 
 namespace halflight {
 
-/// A texel with a smaller coverage is at the rim of its surface.
-constexpr float kMostlyCovered = 0.6f;
-
-/// Texels between an edge and places that lie within it, despite rounding.
-constexpr float kInsetTexels = 4.0e-3f;
+using shading::kInsetTexels;
+using shading::kMostlyCovered;
 
 /// A texel in the world.
 struct TexelPlace {

@@ -2,7 +2,7 @@
 #include "bake/geometry/triangle_frame.h"
 #include "bake/texels/texel_places.h"
 
-#include "halflight/shading/random.h"
+#include "halflight/shading/texel_points.h"
 
 #include <algorithm>
 #include <array>
@@ -13,31 +13,17 @@
 namespace halflight {
 namespace {
 
-/// Points of a triangle, at least kInsetTexels from its edges. A ray that starts on an edge between two walls lies in
-/// the plane of the other wall, and can miss it.
+static_assert(kMaxTexelPoints == shading::kTexelCandidates);
+
+/// Points of a triangle, a little off its edges.
 class InsetPoints {
 public:
     InsetPoints(const BakeGeometry& geometry, uint32_t triangle) : frame_(geometry, triangle)
     {
         const std::array<vec2, 3> corners = geometry.texelsOf(triangle);
-        // Barycentric weights are distances over the triangle's heights, and a height is twice the area over an edge.
-        const float area = std::abs(cross2(corners[1] - corners[0], corners[2] - corners[0]));
-        const float weightOfEdge = kInsetTexels / std::max(area, 1.0e-12f);
-        for (int i = 0; i < 3; ++i) {
-            least_[i] =
-                std::min(weightOfEdge * glm::distance(corners[std::size_t(i + 1) % 3], corners[std::size_t(i + 2) % 3]),
-                         1.0f / 3.0f);
-        }
+        least_ = shading::leastWeights(corners[0], corners[1], corners[2]);
     }
-    void put(vec2 barycentric, SurfacePoint& out) const
-    {
-        const float w = 1.0f - barycentric.x - barycentric.y;
-        if (w < least_[0] || barycentric.x < least_[1] || barycentric.y < least_[2]) {
-            const vec3 weights = glm::max(vec3(w, barycentric.x, barycentric.y), least_);
-            barycentric = vec2(weights.y, weights.z) * (1.0f / (weights.x + weights.y + weights.z));
-        }
-        frame_.put(barycentric, out);
-    }
+    void put(vec2 barycentric, SurfacePoint& out) const { frame_.put(shading::insetWeights(barycentric, least_), out); }
 
 private:
     TriangleFrame frame_;
@@ -78,7 +64,7 @@ uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragme
     std::array<float, kMaxTexelPoints> x;
     std::array<float, kMaxTexelPoints> y;
     for (int i = 0; i < kMaxTexelPoints; ++i) {
-        const vec2 place = in.min + in.size * r2Point(first + i);
+        const vec2 place = shading::texelCandidate(in.min, in.size, first + i);
         x[std::size_t(i)] = place.x;
         y[std::size_t(i)] = place.y;
     }
@@ -95,14 +81,12 @@ uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragme
         std::array<float, kMaxTexelPoints> u;
         std::array<float, kMaxTexelPoints> v;
         for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
-            const float dx = x[i] - corner.x;
-            const float dy = y[i] - corner.y;
-            u[i] = (dx * edge2.y - dy * edge2.x) * inverse;
-            v[i] = (edge1.x * dy - edge1.y * dx) * inverse;
+            const vec2 weights = shading::weightsInTriangle({x[i] - corner.x, y[i] - corner.y}, edge1, edge2, inverse);
+            u[i] = weights.x;
+            v[i] = weights.y;
         }
         uint32_t covered = 0;
-        for (std::size_t i = 0; i < kMaxTexelPoints; ++i)
-            covered |= std::min(std::min(u[i], v[i]), 1.0f - (u[i] + v[i])) >= 0.0f ? 1u << i : 0u;
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) covered |= shading::isInTriangle({u[i], v[i]}) ? 1u << i : 0u;
         covered &= ~found;
         if (covered == 0) continue;
         found |= covered;
@@ -129,14 +113,12 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
 {
     const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
     const float covered = coveredArea(map, texel);
-    // Partly covered texels get as many points as others: their candidates fill the bounds of the covered part, in as
-    // many rounds as yield about one batch of covered points, but at most one for each point.
+    // Partly covered texels get as many points as others.
     Rectangle candidates{vec2(texel.x, texel.y)};
     int rounds = 1;
     if (covered < kMostlyCovered) {
         candidates = coveredRectangle(geometry, fragments, candidates);
-        const float times = candidates.size.x * candidates.size.y / std::max(covered, 1.0e-6f);
-        rounds = int(std::clamp(times + 0.5f, 1.0f, float(kMaxTexelPoints)));
+        rounds = shading::candidateRounds(candidates.size, covered);
     }
     const auto findRound = [&](int round, PointArray points) {
         return coveredPoints(geometry, fragments, candidates, (batch * rounds + round) * kMaxTexelPoints, points);

@@ -28,7 +28,7 @@ vec3 DirectLight::shadowOrigin(const SurfacePoint& point, uint64_t& rays) const
     const vec3 origin = smoothOrigin(tracer_.geometry(), point) + point.geometricNormal * epsilon;
     // The raised origin must not be behind another surface.
     const float lift = glm::distance(flat, origin);
-    if (lift <= 4.0f * epsilon) return origin;
+    if (lift <= shading::kLeastLift * epsilon) return origin;
     ++rays;
     return tracer_.occluded(flat, (origin - flat) / lift, 0.0f, lift) ? flat : origin;
 }

@@ -5,7 +5,7 @@
 
 #include "halflight/bake/integrator.h"
 #include "halflight/scene/scene.h"
-#include "halflight/shading/light_source.h"
+#include "halflight/shading/light_rays.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,6 @@ struct PunctualLight : shading::LightSource {
         shadowStrength = indirectMultiplier = 1.0f;
     }
 
-    float reach = 0.0f; ///< metres covered by the light's mask channel; 0 = unlimited
     float cosOuterCone = -1.0f;
     float area = 1.0f;           ///< m2 of an area light; 1 for others
     bool directAtTexels = false; ///< the lightmap contains its direct light
@@ -74,23 +73,9 @@ struct PunctualLight : shading::LightSource {
     /// is irradianceAt().
     [[nodiscard]] vec3 irradianceBy(const LightRay& ray, vec3 point, vec3 normal) const
     {
-        if (!isArea()) return irradianceAt(point, normal);
-        return radianceAt(point) * (ray.solidAngle * std::max(glm::dot(normal, ray.direction), 0.0f));
+        return shading::irradianceByRay(*this, ray, point, normal);
     }
-    /// Whether a point is within range, reach and cone, and in front of an area light. A light with intensity 0 has a
-    /// mask too, because it may be switched on at run time (spec S29).
-    [[nodiscard]] bool reaches(vec3 point) const
-    {
-        if (isArea()) {
-            const vec3 away = point - position;
-            const float distance = glm::length(away);
-            return glm::dot(away, axis) > 0.0f && (range <= 0.0f || distance < range) &&
-                   (reach <= 0.0f || distance <= reach);
-        }
-        const shading::LightSample light =
-            shading::sampleLight(type, vec3(1.0f), position, axis, range, spotConstants, point);
-        return light.illuminance.x > 0.0f && (reach <= 0.0f || light.distance <= reach);
-    }
+    [[nodiscard]] bool reaches(vec3 point) const { return shading::lightReaches(*this, point); }
 };
 
 enum class LightUse {

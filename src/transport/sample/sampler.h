@@ -17,12 +17,6 @@ public:
     /// The first of the next pair alone.
     float next1() { return shading::nextNumber(state_); }
 
-    /// Point `index` of the sequence as 32-bit fractions: scrambled, not shuffled.
-    static uvec2 scrambledBits(uint32_t index, uint32_t seed)
-    {
-        return {shading::scrambledFirst(index, seed), shading::scrambledSecond(index, seed)};
-    }
-
 private:
     friend bool survivesRoulette(float probability, Sampler& sampler, vec3& throughput);
     shading::PathSampler state_;

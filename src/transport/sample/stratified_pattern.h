@@ -1,11 +1,10 @@
 #pragma once
 // Precomputed stratified sample points of ray bundles.
 
-#include "transport/sample/sampler.h"
-
 #include "halflight/base/math.h"
 #include "halflight/base/mathematics.h"
 #include "halflight/shading/pattern.h"
+#include "halflight/shading/sobol.h"
 
 #include <array>
 #include <cmath>
@@ -30,7 +29,7 @@ public:
     {
         for (uint32_t q = 0; q < kSequences; ++q) {
             for (uint32_t i = 0; i < kBlocks * kBlock; ++i) {
-                const uvec2 p = Sampler::scrambledBits(i, hashCombine(seed, q));
+                const uvec2 p = shading::scrambledSobol(i, hashCombine(seed, q));
                 const uint32_t point = (p.x >> 16) | (p.y & 0xffff0000u);
                 points_[((i / kBlock) * kSequences + q) * kBlock + shading::patternStratum(point)] = point;
             }
@@ -101,7 +100,7 @@ public:
     /// of the square.
     [[nodiscard]] vec2 disc(uint32_t texelHash, uint32_t number) const
     {
-        const uvec2 bits = Sampler::scrambledBits(number, texelHash);
+        const uvec2 bits = shading::scrambledSobol(number, texelHash);
         return radii_[bits.x >> (32 - kAngleBits)].x * angles_[bits.y >> (32 - kAngleBits)];
     }
 

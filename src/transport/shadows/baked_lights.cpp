@@ -255,13 +255,14 @@ Status addLightsEverywhere(const ShadowPass& pass, std::span<const PunctualLight
 Status addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_t seed, const TexelLight& out)
 {
     const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
-    // About 64 x 64 texels: those of the rim, whose neighbourhoods reach into other blocks, are few.
-    constexpr std::size_t kRuns = 256;
-    const std::size_t blocks = (runs.size() + kRuns - 1) / kRuns;
+    // About 64 x 64 texels: those of the rim, whose neighbourhoods reach into other blocks, are few. A device takes
+    // more at once.
+    const std::size_t runsOfBlock = pass.device != nullptr ? 4096 : 256;
+    const std::size_t blocks = (runs.size() + runsOfBlock - 1) / runsOfBlock;
     const Progress quiet{{}, pass.progress.cancel};
-    const auto addBlock = [&](std::size_t block) {
-        const std::size_t firstRun = block * kRuns;
-        const std::size_t endRun = std::min(firstRun + kRuns, runs.size());
+    const auto addBlock = [&](std::size_t block) -> Status {
+        const std::size_t firstRun = block * runsOfBlock;
+        const std::size_t endRun = std::min(firstRun + runsOfBlock, runs.size());
         const std::vector<const PunctualLight*> lights = reach.near(runs.bounds().subspan(firstRun, endRun - firstRun));
         for (std::size_t first = 0; first < lights.size(); first += kMaxShadowSources) {
             const std::size_t count = std::min(kMaxShadowSources, lights.size() - first);
@@ -269,11 +270,18 @@ Status addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_
             const std::vector<uint32_t> places = runs.reachedBy(some, firstRun, endRun);
             std::vector<uint32_t> texels;
             for (const uint32_t place : places) texels.push_back(pass.texels[place]);
-            if (!addLights(pass.of(texels, quiet), some, seed, places, out)) return; // outcome() says why
+            if (Status s = addLights(pass.of(texels, quiet), some, seed, places, out); !s) return s;
         }
+        return {};
     };
+    for (std::size_t block = 0; pass.device != nullptr && block < blocks; ++block) {
+        if (Status s = addBlock(block); !s) return s;
+        pass.progress(pass.stage, double(block + 1) / double(blocks));
+    }
+    if (pass.device != nullptr) return {};
     const bool finished = parallelFor(blocks, 1, pass.progress, pass.stage, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t block = begin; block < end; ++block) inIsolation([&] { addBlock(block); });
+        for (std::size_t block = begin; block < end; ++block)
+            inIsolation([&] { static_cast<void>(addBlock(block)); }); // outcome() says why
     });
     return pass.paths.surfaces().outcome(finished);
 }

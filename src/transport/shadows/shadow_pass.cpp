@@ -1,5 +1,6 @@
 #include "transport/shadows/shadow_pass.h"
 
+#include "transport/shadows/batch_shadows.h"
 #include "transport/texels/texel_set.h"
 
 #include "halflight/base/memory.h"
@@ -61,12 +62,14 @@ private:
     Status traceFirst()
     {
         first_ = largeVector<LitRange>(set_.size() * sourceCount());
+        const Progress part = partOf(pass_.progress, 0.0, 0.5);
+        if (pass_.device != nullptr) return traceFirstOnDevice(part);
         return forTexelGroups(
             pass_.paths.surfaces(), set_.size(), [&](std::size_t i) { return set_[i]; },
             [&](std::span<const uint32_t> texels) {
                 return ShadowGroup(pass_.paths, pass_.map, texels, PointUse::All);
             },
-            partOf(pass_.progress, 0.0, 0.5), pass_.stage, pass_.rays,
+            part, pass_.stage, pass_.rays,
             [&] {
                 return [&](const ShadowGroup& group, std::size_t first, uint64_t& rays) {
                     traceFirst(group, first, rays);
@@ -92,6 +95,24 @@ private:
                 if (counted[lane] != kNone) add(counted[lane] + s, sums, lane);
             }
         }
+    }
+
+    Status traceFirstOnDevice(const Progress& progress)
+    {
+        const auto fill = [](std::size_t, std::span<DeviceShadows::Item> items) {
+            for (std::size_t s = 0; s < items.size(); ++s) items[s] = {0, 0, kAllPoints, uint16_t(s)};
+        };
+        const auto use = [&](std::size_t i, std::span<const LitSum> sums) {
+            std::size_t number = 0;
+            const bool counted = isAsked(set_[i], number) && validPoints(number) == kAllPoints;
+            for (std::size_t s = 0; s < sums.size(); ++s) {
+                first_[i * sourceCount() + s] = sums[s].range;
+                if (counted) counts_[number * sourceCount() + s].add(sums[s]);
+            }
+        };
+        const auto countOf = [&](std::size_t) { return sourceCount(); };
+        return BatchShadows(*pass_.device, pass_.map, sources_)
+            .trace(set_.texels(), countOf, fill, use, progress, pass_.stage, pass_.rays);
     }
 
     /// First rays of a texel, a bit for each source.
@@ -184,6 +205,7 @@ private:
             const auto first = open_.begin() + std::ptrdiff_t(i * sourceCount());
             return std::any_of(first, first + std::ptrdiff_t(sourceCount()), [](Open o) { return o != Closed; });
         });
+        if (pass_.device != nullptr) return traceHalvesOnDevice(begin, end, progress);
         return forTexelGroups(
             pass_.paths.surfaces(), list_.size(), [&](std::size_t i) { return pass_.texels[list_[i]]; },
             [&](std::span<const uint32_t> texels) {
@@ -196,6 +218,35 @@ private:
                 };
             });
     }
+    Status traceHalvesOnDevice(int begin, int end, const Progress& progress)
+    {
+        const auto isOpen = [&](std::size_t i, std::size_t s) { return open_[list_[i] * sourceCount() + s] != Closed; };
+        const auto firstOf = [&](std::size_t i) { return begin + (isCounted(begin, validPoints(list_[i])) ? 1 : 0); };
+        const auto countOf = [&](std::size_t i) {
+            std::size_t open = 0;
+            for (std::size_t s = 0; s < sourceCount(); ++s) open += isOpen(i, s) ? 1 : 0;
+            return open * std::size_t(std::max(end - firstOf(i), 0));
+        };
+        const auto fill = [&](std::size_t i, std::span<DeviceShadows::Item> items) {
+            auto item = items.begin();
+            for (std::size_t s = 0; s < sourceCount(); ++s)
+                for (int half = firstOf(i); isOpen(i, s) && half < end; ++half)
+                    *item++ = {0, uint32_t(half), validPoints(list_[i]), uint16_t(s)};
+        };
+        const auto use = [&](std::size_t i, std::span<const LitSum> sums) {
+            auto sum = sums.begin();
+            for (std::size_t s = 0; s < sourceCount(); ++s)
+                for (int half = firstOf(i); isOpen(i, s) && half < end; ++half)
+                    counts_[list_[i] * sourceCount() + s].add(*sum++);
+        };
+        std::vector<uint32_t> texels(list_.size());
+        for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = pass_.texels[list_[i]];
+        return BatchShadows(*pass_.device, pass_.map, sources_)
+            .trace(texels, countOf, fill, use, progress, pass_.stage, pass_.rays);
+    }
+    /// traceFirst() has counted half-batch 0 of texels whose points are all valid.
+    static bool isCounted(int half, PointMask points) { return half == 0 && points == kAllPoints; }
+
     /// `group` has batch 0 of the texels' points.
     void traceHalves(const ShadowGroup& group, std::size_t first, int begin, int end, uint64_t& rays)
     {
@@ -221,9 +272,7 @@ private:
             uint32_t wanted = 0;
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 const bool open = open_[list_[first + lane] * sourceCount() + s] != Closed;
-                // traceFirst() has counted half-batch 0 of texels whose points are all valid.
-                const bool counted = half == 0 && points.mask(int(lane)) == kAllPoints;
-                wanted |= open && !counted ? 1u << lane : 0u;
+                wanted |= open && !isCounted(half, points.mask(int(lane))) ? 1u << lane : 0u;
             }
             if (wanted == 0) continue;
             const ShadowRays shadows(pass_.paths, pass_.pattern, sources_[s]);
@@ -264,6 +313,12 @@ Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sou
     if (colors != nullptr && pass.paths.surfaces().anyTinted())
         *colors = largeVector<vec3>(pass.texels.size() * sources.size());
     return ShadowTracer(pass, sources, counts, colors != nullptr ? *colors : none).trace();
+}
+
+/// Kernels without a device: here, because kernels know nothing of texels.
+Result<std::unique_ptr<DeviceShadows>> RayKernels::prepareShadows(const ShadowTables& /*tables*/) const
+{
+    return std::unique_ptr<DeviceShadows>();
 }
 
 } // namespace halflight

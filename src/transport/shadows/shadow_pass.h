@@ -1,7 +1,7 @@
 #pragma once
 // Transmittance from texels to lights, for shadowmasks and for baked direct light.
 
-#include "transport/shadows/shadow_rays.h"
+#include "transport/shadows/device_shadows.h"
 
 #include "halflight/bake/texel_grid.h"
 
@@ -27,15 +27,16 @@ struct ShadowPass {
     const Progress& progress;
     const char* stage;
     std::atomic<uint64_t>& rays;
+    const DeviceShadows* device = nullptr; ///< null: the processor traces
 
     /// The same of other texels, or with another share of the progress, which outlives it.
     [[nodiscard]] ShadowPass of(std::span<const uint32_t> others, const Progress& part) const
     {
-        return {paths, pattern, map, grid, others, samples, timesOnEdges, part, stage, rays};
+        return {paths, pattern, map, grid, others, samples, timesOnEdges, part, stage, rays, device};
     }
     [[nodiscard]] ShadowPass withEdges(int times) const
     {
-        return {paths, pattern, map, grid, texels, samples, times, progress, stage, rays};
+        return {paths, pattern, map, grid, texels, samples, times, progress, stage, rays, device};
     }
 };
 
@@ -43,7 +44,6 @@ struct ShadowPass {
 /// other texels get half of `samples`, texels beside an edge all, and partly lit ones `timesOnEdges` times as many.
 /// Counts are by texel and source.
 /// `colors`, if given, gets the sums of weight times transmittance by colour, in scenes whose glass has one.
-constexpr std::size_t kMaxShadowSources = 32;
 Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitSum>& counts,
                     std::vector<vec3>* colors = nullptr);
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -27,12 +28,13 @@ public:
     [[nodiscard]] const Bounds& bounds() const { return bounds_; }
 
     /// One of the 256 batches, of 32768, whose mean point is closest to the texel's centre: their mean light is that of
-    /// the whole texel to first order.
-    static int firstBatch(uint32_t id)
+    /// the whole texel to first order. Neighbours have different ones.
+    static int firstBatch(uint32_t id) { return int(firstBatches()[hashPcg(id) % firstBatches().size()]); }
+    static std::span<const uint32_t> firstBatches()
     {
         constexpr int kMany = 32768;      // batches that are compared
         constexpr std::size_t kFew = 256; // batches that neighbours choose among
-        static const std::vector<std::pair<float, int>> few = [] {
+        static const std::vector<uint32_t> few = [] {
             std::vector<std::pair<float, int>> batches;
             for (int batch = 0; batch < kMany; ++batch) {
                 vec2 sum(0.0f);
@@ -40,11 +42,11 @@ public:
                 batches.emplace_back(glm::length(sum), batch);
             }
             std::partial_sort(batches.begin(), batches.begin() + kFew, batches.end());
-            batches.resize(kFew);
-            batches.shrink_to_fit();
-            return batches;
+            std::vector<uint32_t> numbers;
+            for (std::size_t i = 0; i < kFew; ++i) numbers.push_back(uint32_t(batches[i].second));
+            return numbers;
         }();
-        return few[hashPcg(id) % kFew].second;
+        return few;
     }
 
 private:
@@ -132,23 +134,20 @@ struct ShadowSource {
     {
         if (!lit) {
             const PunctualLight* light = lights.at(point.position);
-            if (light == nullptr || !light->isArea()) return {light, 1.0f};
-            // Rays from below the horizon count little beside others, and all where there are no others, as on points
-            // that face away from a light without size: these are in shadow.
-            const LightRay ray = sampleLightRay(*light, point.position, disc);
-            const float weight = ray.solidAngle * std::max(glm::dot(point.normal, ray.direction), 1.0e-4f);
+            if (light == nullptr) return {};
+            const float weight = shading::maskRayWeight(*light, point.position, point.normal, disc);
             return weight > 0.0f ? Target{light, weight} : Target{};
         }
         for (const PunctualLight* light : lights.lights()) {
-            constexpr float kMost = 1.0e30f; // sums of weights must be finite
-            const LightRay ray = light->isArea() ? sampleLightRay(*light, point.position, disc) : LightRay{};
-            const vec3 irradiance = light->irradianceBy(ray, point.position, point.normal);
-            const float weight = std::min(luminance(irradiance), kMost);
+            const float weight = shading::irradianceRayWeight(*light, point.position, point.normal, disc);
             if (weight > 0.0f) return {light, weight};
         }
         return {};
     }
 };
+
+/// Most sources of one pass.
+constexpr std::size_t kMaxShadowSources = 32;
 
 /// Traces half-batches of eight rays, each ray from its own point of the texel. So shadow edges are antialiased by as
 /// many points as there are rays, for lights without extent too.

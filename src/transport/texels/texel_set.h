@@ -30,6 +30,7 @@ public:
     }
     [[nodiscard]] std::size_t size() const { return texels_.size(); }
     [[nodiscard]] uint32_t operator[](std::size_t i) const { return texels_[i]; }
+    [[nodiscard]] std::span<const uint32_t> texels() const { return texels_; }
     /// Position of a member.
     [[nodiscard]] std::size_t find(uint32_t texel) const
     {

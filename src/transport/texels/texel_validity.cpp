@@ -1,15 +1,17 @@
 #include "transport/texels/texel_validity.h"
 
+#include "halflight/shading/validity.h"
+
 #include <algorithm>
 #include <bit>
 
 namespace halflight {
 namespace {
 
-constexpr uint32_t kInsideSeed = 0x5eed0004u;
-/// Rays per group of points in solids, per point behind shells, and of a texel that find whether it has to be tested.
-constexpr int kRays = 8;
-constexpr int kFewRays = 3; ///< enough if all of them agree
+using shading::kInsideSeed;
+using shading::nthBit;
+constexpr int kRays = shading::kValidityRays;
+static_assert(shading::kShellRays == 2 * kMaxTexelPoints);
 
 /// Whether mutually visible points may be behind a shell. Behind one, seven of eight of their rays hit hidden backs.
 bool manyBacks(int backs, int rays)
@@ -17,16 +19,9 @@ bool manyBacks(int backs, int rays)
     return 4 * backs >= rays;
 }
 
-/// Index of the n-th bit that is set.
-int nthBit(PointMask mask, int n)
-{
-    for (; n > 0; --n) mask &= PointMask(mask - 1u);
-    return std::countr_zero(mask);
-}
-
 } // namespace
 
-TexelValidity::TexelValidity(const PathTracer& paths) : paths_(paths)
+TexelValidity::TexelValidity(const PathTracer& paths, bool leavesOpen) : paths_(paths), leavesOpen_(leavesOpen)
 {
     const BakeGeometry& geometry = paths.surfaces().geometry();
     const std::vector<uint8_t>& solid = geometry.solid;
@@ -48,7 +43,6 @@ float TexelValidity::liftOf(const TexelPoints& points) const
 }
 
 /// Whether a group of mutually visible points is inside solids: most of up to 8 rays leave more solids than they enter.
-/// Inside a closed solid all rays do, so the first ray that does not ends the test.
 bool TexelValidity::insideSolids(const TexelPoints& points, PointMask group, uint32_t id, uint64_t& rays) const
 {
     const int count = std::popcount(group);
@@ -58,8 +52,7 @@ bool TexelValidity::insideSolids(const TexelPoints& points, PointMask group, uin
         const int s = rayCount++;
         const SurfacePoint& point = points[std::size_t(nthBit(group, s * count / kRays))];
         inside += solidsLeft(point, id, s, rays) > 0 ? 1 : 0;
-        if (inside == 0) return false;
-        if (rayCount == kFewRays && inside == kFewRays) break;
+        if (shading::solidIsFound(inside, rayCount)) break;
     }
     return 2 * inside > rayCount;
 }
@@ -103,9 +96,7 @@ PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candi
             backs[std::size_t(p)] += (hit >> p) & 1;
             if (s - backs[std::size_t(p)] >= 1) open &= PointMask(~(1u << p));
         }
-        // The test ends early if nearly all of as many rays as two of each point of a whole texel hit hidden backs.
-        const bool allHit = s == 0 ? hit == candidates : open == candidates;
-        if (allHit && std::popcount(open) * (s + 1) >= 2 * kMaxTexelPoints) break;
+        if (shading::shellIsFound(s, hit == candidates, open == candidates, std::popcount(open))) break;
     }
     return open;
 }
@@ -207,10 +198,10 @@ void TexelValidity::testBlock(std::span<BlockTexel> texels, uint64_t& rays) cons
     const NearTriangles near(paths_.surfaces(), all);
     if (near.isEmpty(all) && testTogether(texels, rays)) return;
     for (BlockTexel& t : texels)
-        if (t.wanted) t.valid = testOne(t, near, rays);
+        if (t.wanted) testOne(t, near, rays);
 }
 
-PointMask TexelValidity::testOne(const BlockTexel& t, const NearTriangles& near, uint64_t& rays) const
+void TexelValidity::testOne(BlockTexel& t, const NearTriangles& near, uint64_t& rays) const
 {
     PointMask some = 0; // spread over the texel
     for (int k = 0; k < kRays; ++k) some |= PointMask(1u << (k * t.pointCount / kRays));
@@ -219,8 +210,11 @@ PointMask TexelValidity::testOne(const BlockTexel& t, const NearTriangles& near,
     const int backs = std::popcount(hitBacks(t.points, some, t.id, 0, rays));
     const bool outsideShells = backs == 0 || (nothingBetween && !manyBacks(backs, kRays));
     if (outsideShells && (nothingBetween || visibleFrom(t.points, 0, all, liftOf(t.points), rays) == all))
-        return anySolid_ && insideSolids(t.points, all, t.id, rays) ? PointMask(0) : kAllPoints;
-    return validPoints(t.points, t.pointCount, t.id, rays);
+        t.valid = anySolid_ && insideSolids(t.points, all, t.id, rays) ? PointMask(0) : kAllPoints;
+    else if (leavesOpen_)
+        t.open = true;
+    else
+        t.valid = validPoints(t.points, t.pointCount, t.id, rays);
 }
 
 PointMask TexelValidity::validPoints(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const

@@ -18,13 +18,15 @@ struct BlockTexel {
     TexelPoints points;
     OrientedBox box; ///< around the points
     PointMask valid = kAllPoints;
+    bool open = false; ///< all its points have to be tested, and validPoints() has not been called
 };
 
 /// Tests points by rays. The rays depend on the texel alone, not on the bake's seed: validity is a property of the
 /// scene.
 class TexelValidity {
 public:
-    explicit TexelValidity(const PathTracer& paths);
+    /// `leavesOpen`: testBlock() leaves to others what takes most rays, and sets BlockTexel::open.
+    explicit TexelValidity(const PathTracer& paths, bool leavesOpen = false);
 
     /// Points outside closed solids; kAllPoints if all are.
     PointMask outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
@@ -43,7 +45,7 @@ private:
     [[nodiscard]] vec3 raised(const SurfacePoint& point, float lift) const;
     [[nodiscard]] float liftOf(const TexelPoints& points) const;
     bool testTogether(std::span<BlockTexel> texels, uint64_t& rays) const;
-    PointMask testOne(const BlockTexel& texel, const NearTriangles& near, uint64_t& rays) const;
+    void testOne(BlockTexel& texel, const NearTriangles& near, uint64_t& rays) const;
     bool insideSolids(const TexelPoints& points, PointMask group, uint32_t id, uint64_t& rays) const;
     PointMask behindShells(const TexelPoints& points, PointMask candidates, uint32_t id, uint64_t& rays) const;
     PointMask hitBacks(const TexelPoints& points, PointMask which, uint32_t id, int round, uint64_t& rays) const;
@@ -54,6 +56,7 @@ private:
     int solidsLeft(const SurfacePoint& point, uint32_t id, int sample, uint64_t& rays) const;
 
     const PathTracer& paths_;
+    bool leavesOpen_;
     bool anySolid_ = false;
     bool anyHiddenBack_ = false;
 };

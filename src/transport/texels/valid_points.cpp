@@ -1,5 +1,6 @@
 #include "transport/texels/valid_points.h"
 
+#include "transport/texels/device_validity.h"
 #include "transport/texels/texel_validity.h"
 
 #include "halflight/bake/texel_grid.h"
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <mutex>
 
 namespace halflight {
 namespace {
@@ -19,33 +21,97 @@ constexpr std::size_t kGrain = 16; ///< blocks
 /// Texels of a part that processes share: a few hundredths of a second.
 constexpr std::size_t kPartTexels = 16384;
 
+/// Blocks of which a device gets the open texels at once: a sixth of them is open, of 600 bytes each.
+constexpr std::size_t kBlocksAtOnce = 16384;
+
 class ValidPoints {
 public:
-    ValidPoints(const PathTracer& paths, const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
-        : paths_(paths), map_(map), progress_(progress), rays_(rays), validity_(paths), grid_(map)
+    /// `device`: tests all points of texels where that is needed; may be null.
+    ValidPoints(const PathTracer& paths, const TexelMap& map, const DeviceValidity* device, const Progress& progress,
+                std::atomic<uint64_t>& rays)
+        : paths_(paths), map_(map), device_(device), progress_(progress), rays_(rays),
+          validity_(paths, device != nullptr), grid_(map)
     {}
 
     /// Masks of the texels [begin, end).
     Status find(std::size_t begin, std::size_t end, std::span<PointMask> masks) const
     {
         const std::vector<uint32_t> blocks = blocksOf(begin, end);
+        const std::size_t atOnce = device_ != nullptr ? kBlocksAtOnce : blocks.size();
+        for (std::size_t first = 0; first < blocks.size(); first += atOnce) {
+            const std::size_t last = std::min(first + atOnce, blocks.size());
+            const auto shareOf = [&](std::size_t block) { return double(block) / double(blocks.size()); };
+            const Progress part = partOf(progress_, shareOf(first), shareOf(last));
+            Open open;
+            if (Status s = testBlocks(std::span(blocks).subspan(first, last - first), begin, masks, open, part); !s)
+                return s;
+            if (Status s = testOpen(open, begin, masks); !s) return s;
+        }
+        return {};
+    }
+
+private:
+    /// Texels that the device tests.
+    struct Open {
+        std::vector<uint32_t> texels;
+        std::vector<DeviceValidity::Texel> points; ///< theirs
+
+        void add(const Open& others)
+        {
+            texels.insert(texels.end(), others.texels.begin(), others.texels.end());
+            points.insert(points.end(), others.points.begin(), others.points.end());
+        }
+    };
+
+    /// Masks of the texels of some blocks, from texel `begin` on, but for open ones.
+    Status testBlocks(std::span<const uint32_t> blocks, std::size_t begin, std::span<PointMask> masks, Open& open,
+                      const Progress& progress) const
+    {
+        std::mutex mutex;
         const bool finished =
-            parallelFor(blocks.size(), kGrain, progress_, kStage, [&](std::size_t first, std::size_t last) {
+            parallelFor(blocks.size(), kGrain, progress, kStage, [&](std::size_t first, std::size_t last) {
                 uint64_t traced = 0;
-                for (std::size_t i = first; i < last && !progress_.cancelled() && !paths_.surfaces().failed(); ++i) {
+                Open some;
+                for (std::size_t i = first; i < last && !progress.cancelled() && !paths_.surfaces().failed(); ++i) {
                     forChartsOf(blocks[i], [&](std::span<BlockTexel> members) {
-                        for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel < end;
+                        for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel - begin < masks.size();
                         validity_.testBlock(members, traced);
-                        for (const BlockTexel& m : members)
+                        for (const BlockTexel& m : members) {
                             if (m.wanted) masks[m.texel - begin] = m.valid;
+                            if (m.open) leaveOpen(m, some);
+                        }
                     });
                 }
                 rays_ += traced;
+                const std::lock_guard lock(mutex);
+                open.add(some);
             });
         return paths_.surfaces().outcome(finished);
     }
 
-private:
+    void leaveOpen(const BlockTexel& from, Open& open) const
+    {
+        DeviceValidity::Texel to{from.id, uint32_t(from.pointCount), {}};
+        for (std::size_t p = 0; p < to.pointCount; ++p) {
+            const SurfacePoint& point = from.points[p];
+            to.points[p] = {paths_.surfaces().rayOrigin(point), point.normal, point.geometricNormal};
+        }
+        open.texels.push_back(from.texel);
+        open.points.push_back(to);
+    }
+
+    /// A texel's mask depends on its own points alone: their order in the list, which is by chance, does not matter.
+    Status testOpen(const Open& open, std::size_t begin, std::span<PointMask> masks) const
+    {
+        if (open.texels.empty()) return {};
+        std::vector<PointMask> found(open.texels.size());
+        uint64_t traced = 0;
+        if (Status s = device_->validPoints(open.points, found, traced); !s) return s;
+        rays_ += traced;
+        for (std::size_t i = 0; i < found.size(); ++i) masks[open.texels[i] - begin] = found[i];
+        return {};
+    }
+
     [[nodiscard]] const BakeGeometry& geometry() const { return paths_.surfaces().geometry(); }
     [[nodiscard]] uint32_t blocksPerRow() const { return uint32_t(map_.pageSize + kBlock - 1) / uint32_t(kBlock); }
 
@@ -99,6 +165,7 @@ private:
 
     const PathTracer& paths_;
     const TexelMap& map_;
+    const DeviceValidity* device_;
     const Progress& progress_;
     std::atomic<uint64_t>& rays_;
     TexelValidity validity_;
@@ -113,7 +180,9 @@ Status findValidPoints(const PathTracer& paths, TexelMap& map, const Store& stor
     std::vector<PointMask> masks;
     const Status done = store.computed(kStage, masks, [&] {
         masks.resize(map.texels.size());
-        const ValidPoints points(paths, map, progress, rays);
+        const auto device = paths.surfaces().kernels().prepareValidity();
+        if (!device) return Status(device.error());
+        const ValidPoints points(paths, map, device->get(), progress, rays);
         return store.computedParts(kStage, std::span(masks), kPartTexels, [&](std::size_t begin, std::size_t end) {
             return points.find(begin, end, std::span(masks).subspan(begin, end - begin));
         });
@@ -138,6 +207,12 @@ Status findValidPoints(const PathTracer& paths, std::span<const SurfacePoint> po
         }
     });
     return paths.surfaces().outcome(true);
+}
+
+/// Kernels without a device: here, because kernels know nothing of texels.
+Result<std::unique_ptr<DeviceValidity>> RayKernels::prepareValidity() const
+{
+    return std::unique_ptr<DeviceValidity>();
 }
 
 } // namespace halflight

@@ -20,7 +20,10 @@ namespace halflight {
 enum class RayUse { Light, Camera };
 
 class DeviceGather;
+class DeviceShadows;
+class DeviceValidity;
 struct GatherTables;
+struct ShadowTables;
 
 /// Traces batches of rays. A result depends on its ray alone, but for rounding: rays that belong together are faster in
 /// one batch, and a batch of the same rays gives the same bits. `out` has one entry for each ray. All verbs may be
@@ -54,6 +57,10 @@ public:
     /// The final gather of whole batches of texels (lightmap/device_gather.h); null where rays are traced by the verbs
     /// above. The kernels outlive it.
     [[nodiscard]] virtual Result<std::unique_ptr<DeviceGather>> prepareGather(const GatherTables& tables) const;
+    /// Shadow rays of a map's texels (shadows/device_shadows.h); null as above.
+    [[nodiscard]] virtual Result<std::unique_ptr<DeviceShadows>> prepareShadows(const ShadowTables& tables) const;
+    /// Tests of sample points (texels/device_validity.h); null as above.
+    [[nodiscard]] virtual Result<std::unique_ptr<DeviceValidity>> prepareValidity() const;
     /// One line for reports: what traces, and by which method, as "cpu (radiance cache, Embree 4.3.0, 16 threads)".
     [[nodiscard]] virtual std::string describe(const std::string& method) const = 0;
     /// Most bytes of the trees so far.

@@ -1,0 +1,79 @@
+#include "bake_gpu/shadows/gpu_surfaces.h"
+
+#include "bake_gpu/transfer.h"
+#include "transport/texels/texel_points.h"
+
+#include <type_traits>
+
+namespace halflight {
+namespace {
+
+using shading::GpuFragment;
+using shading::GpuInstance;
+using shading::GpuMapTexel;
+
+static_assert(uint32_t(TexelSide::FrontOfBoth) == shading::kFrontOfBoth);
+static_assert(uint32_t(TexelSide::Mean) == shading::kMeanTexel);
+static_assert(sizeof(BakeGeometry::Frame) == sizeof(shading::GpuFrame));
+
+/// SurfaceData in shaders/bake/texels.glsl.
+struct SurfaceAddresses {
+    VkDeviceAddress corners, frames, positions, normals, places, instances;
+};
+
+GpuInstance gpuInstance(const BakeGeometry::Instance& from)
+{
+    GpuInstance to{};
+    for (int column = 0; column < 3; ++column) {
+        to.linear[column] = from.linear[column];
+        to.worldFromNormal[column] = from.worldFromNormal[column];
+    }
+    to.origin = from.origin;
+    to.texelScale = from.texelScale;
+    to.texelOffset = from.texelOffset;
+    to.mirrored = from.mirrored ? 1u : 0u;
+    return to;
+}
+
+} // namespace
+
+GpuMapTexel gpuTexel(const TexelMap& map, const Texel& texel, uint32_t firstFragment)
+{
+    return {texelId(map, texel), uint32_t(texel.x) | uint32_t(texel.y) << 16, firstFragment, texel.fragmentCount};
+}
+
+GpuFragment gpuFragment(const BakeGeometry& geometry, const TexelFragment& fragment)
+{
+    const BakeGeometry::Part& part = geometry.partOf(fragment.triangle);
+    return {part.firstStored + (fragment.triangle - part.firstTriangle),
+            part.instance == BakeGeometry::kOwn ? shading::kNone : part.instance,
+            uint32_t(geometry.texelSideOf(fragment.triangle)) | (part.receiveShadows ? shading::kReceivesShadows : 0u),
+            fragment.barycentric, fragment.area};
+}
+
+template<typename T, typename Make>
+VkDeviceAddress GpuSurfaces::upload(gpu::Device& device, std::size_t count, const Make& make)
+{
+    buffers_.emplace_back(device, count * sizeof(T), gpu::kAddressed, gpu::MemoryUse::Device);
+    Transfer(device).upload<T>(buffers_.back(), count, make);
+    return buffers_.back().address();
+}
+
+GpuSurfaces::GpuSurfaces(gpu::Device& device, const GpuScene& scene, const BakeGeometry& geometry)
+{
+    const auto copy = [&](const auto& list) {
+        using T = typename std::decay_t<decltype(list)>::value_type;
+        return upload<T>(device, list.size(), [&](std::size_t i) { return list[i]; });
+    };
+    SurfaceAddresses a{};
+    a.corners = copy(geometry.triangles);
+    a.frames = copy(geometry.frames);
+    a.positions = scene.positions();
+    a.normals = copy(geometry.normals);
+    a.places = copy(geometry.lightmapTexel);
+    a.instances = upload<GpuInstance>(device, geometry.instances.size(),
+                                      [&](std::size_t i) { return gpuInstance(geometry.instances[i]); });
+    addresses_ = bufferOf(device, std::span<const SurfaceAddresses>(&a, 1));
+}
+
+} // namespace halflight

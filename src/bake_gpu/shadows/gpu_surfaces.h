@@ -1,0 +1,33 @@
+#pragma once
+// The triangles that texels lie on, in a device's memory.
+
+#include "bake_gpu/gpu_scene.h"
+#include "bake_gpu/shadows/texel_layout.h"
+
+#include "halflight/bake/integrator.h"
+
+#include <vector>
+
+namespace halflight {
+
+class GpuSurfaces {
+public:
+    /// Throws gpu::Failure. All arguments outlive it.
+    GpuSurfaces(gpu::Device& device, const GpuScene& scene, const BakeGeometry& geometry);
+
+    /// Of the block of addresses that shaders read (SurfaceData in shaders/bake/texels.glsl).
+    [[nodiscard]] VkDeviceAddress address() const { return addresses_.address(); }
+
+private:
+    template<typename T, typename Make>
+    VkDeviceAddress upload(gpu::Device& device, std::size_t count, const Make& make);
+
+    std::vector<gpu::Buffer> buffers_;
+    gpu::Buffer addresses_;
+};
+
+/// A texel whose fragments begin at `firstFragment` in a list of the device.
+shading::GpuMapTexel gpuTexel(const TexelMap& map, const Texel& texel, uint32_t firstFragment);
+shading::GpuFragment gpuFragment(const BakeGeometry& geometry, const TexelFragment& fragment);
+
+} // namespace halflight
