@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Checks that source files and functions stay short enough to read.
+"""Checks that source files, functions and folders stay small enough to read.
 
-    file_sizes.py ROOT          exit 1 and one line per file or function that is too long
+    file_sizes.py ROOT          exit 1 and one line per file, function or folder that is too large
     file_sizes.py --self-test   shows that each rule can fail
 
-A file has at most 400 lines, a function at most 80. Generated files and those of others (src/base/mathematics) are
-exempt. Outside Python the indentation shows where a function ends. Classes and data are no functions; a loop or
-callback at the top of a file counts as one.
+A file has at most 400 lines, a function at most 80, and a folder of src/ at most 25 files of code directly in it. Generated
+files and those of others (src/base/mathematics) are exempt. Outside Python the indentation shows where a function ends.
+Classes and data are no functions; a loop or callback at the top of a file counts as one.
 """
 
 import ast
@@ -17,6 +17,7 @@ import tempfile
 
 LIMIT = 400
 FUNCTION_LIMIT = 80
+FOLDER_LIMIT = 25
 FOLDERS = "apps assets bench blender examples farm include scripts shaders src tests web".split()
 SUFFIXES = set(".h .cpp .py .glsl .vert .frag .js .jsx .mjs .ts .tsx .mts .css .html .sh".split())
 GENERATED = ("web/three/src/generated/", "scripts/packaging/python/halflight/_commands.py")
@@ -68,8 +69,16 @@ def long_functions(name, suffix, text):
             yield f"{name}:{first}: a function of {lines} lines, at most {FUNCTION_LIMIT}: split it"
 
 
+def full_folders(root):
+    for folder in sorted(path for path in (root / "src").rglob("*") if path.is_dir()):
+        name = folder.relative_to(root).as_posix() + "/"
+        files = sum(path.suffix in SUFFIXES for path in folder.iterdir() if path.is_file())
+        if files > FOLDER_LIMIT and not name.startswith(OF_OTHERS):
+            yield f"{name}: {files} files, at most {FOLDER_LIMIT}: split it by what they are for"
+
+
 def problems_of(root):
-    problems = []
+    problems = list(full_folders(root))
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
             if path.suffix not in SUFFIXES or not path.is_file() or "node_modules" in path.parts:
@@ -101,6 +110,12 @@ def self_test():
         (root / "web/three/src/long.js").write_text("\n" * (LIMIT + 5))
         assert len(problems_of(root)) == 1
         (root / "web/three/src/long.js").unlink()
+        (root / "src/many").mkdir()
+        for number in range(FOLDER_LIMIT + 1):
+            assert problems_of(root) == []
+            (root / f"src/many/{number}.h").touch()
+        assert len(problems_of(root)) == 1
+        (root / "src/many/0.h").unlink()
         (root / "src/base/mathematics").mkdir(parents=True)
         (root / "src/base/mathematics/long.cpp").write_text("\n" * (LIMIT + 5))
         assert problems_of(root) == []

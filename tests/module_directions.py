@@ -38,7 +38,7 @@ def floors(*names):
 FOLDERS = {
     "scene": floors(
         "model", "pictures", "document", "document/decode", "format", "load", "settings", "read/geometry",
-        "read/looks", "read", "write", "files"
+        "read/looks", "read", "write/meshes", "write", "files"
     ),
     "bake": floors(
         "settings", "geometry", "texels", "seams", "denoise", "pages", "sides", "cache", "lights", "report",
@@ -48,13 +48,14 @@ FOLDERS = {
     "render": floors("frame", "scene", "passes"),
     "view": floors("state", "panels", "window", "scene"),
     "transport": {
-        "trace": set(),
-        "sample": {"trace"},
-        "texels": {"sample", "trace"},
-        "radiosity": {"texels", "sample", "trace"},
-        "shadows": {"texels", "sample", "trace"},
-        "guiding": {"radiosity", "texels", "sample", "trace"},
-        "lightmap": {"guiding", "radiosity", "texels", "sample", "trace"},
+        "random": set(),
+        "trace": {"random"},
+        "sample": {"random", "trace"},
+        "texels": {"sample", "random", "trace"},
+        "radiosity": {"texels", "sample", "random", "trace"},
+        "shadows": {"texels", "sample", "random", "trace"},
+        "guiding": {"radiosity", "texels", "sample", "random", "trace"},
+        "lightmap": {"guiding", "radiosity", "texels", "sample", "random", "trace"},
     },
     "bake_cpu": floors("trace", "reference"),
 }

@@ -1,6 +1,6 @@
 // Attributes of vertices that cutting a mesh added, in the formats of a file.
 
-#include "scene/write/cut_attributes.h"
+#include "scene/write/meshes/cut_attributes.h"
 
 #include <array>
 #include <cmath>

@@ -2,8 +2,8 @@
 
 #include "bake/seeds.h"
 #include "bake/test_room.h"
+#include "transport/random/stratified_pattern.h"
 #include "transport/sample/light_tree.h"
-#include "transport/sample/stratified_pattern.h"
 
 #include "halflight/shading/random.h"
 

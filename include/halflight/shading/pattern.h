@@ -1,4 +1,4 @@
-// Stratified sample points of texels: which of the stored ones a texel takes (transport/sample/stratified_pattern.h).
+// Stratified sample points of texels: which of the stored ones a texel takes (transport/random/stratified_pattern.h).
 #ifndef HALFLIGHT_SHADING_PATTERN_H
 #define HALFLIGHT_SHADING_PATTERN_H
 

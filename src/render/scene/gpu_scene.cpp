@@ -7,9 +7,9 @@
 #include "halflight/render/frame.h"
 #include "halflight/shading/coverage.h"
 #include "render/frame/frame_internal.h"
-#include "render/scene/closed_part.h"
 #include "render/scene/mipmaps.h"
 #include "render/scene/upload_pages.h"
+#include "scene/model/closed_part.h"
 #include "scene/model/tint.h"
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 #include "scene/read/read_baked.h"
 #include "scene/settings/settings.h"
 #include "scene/write/make_document.h"
-#include "scene/write/variant_groups.h"
+#include "scene/write/meshes/variant_groups.h"
 #include "scene/write/write_bake_pictures.h"
 #include "scene/write/write_groups.h"
 #include "scene/write/write_lights.h"

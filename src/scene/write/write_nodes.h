@@ -2,7 +2,7 @@
 // What the writer says of objects: a record in each of their nodes, and lightmap coordinates in their meshes.
 
 #include "scene/format/at_bake.h"
-#include "scene/write/write_meshes.h"
+#include "scene/write/meshes/write_meshes.h"
 
 namespace halflight {
 

@@ -3,7 +3,7 @@
 
 #include "transport/guiding/patch_light.h"
 #include "transport/radiosity/patch_layout.h"
-#include "transport/sample/alias_table.h"
+#include "transport/random/alias_table.h"
 
 #include "halflight/shading/sampling.h"
 

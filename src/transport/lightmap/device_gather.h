@@ -3,7 +3,7 @@
 
 #include "transport/guiding/guides.h"
 #include "transport/radiosity/radiance_cache.h"
-#include "transport/sample/stratified_pattern.h"
+#include "transport/random/stratified_pattern.h"
 
 #include <array>
 #include <span>

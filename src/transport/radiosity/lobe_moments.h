@@ -1,7 +1,7 @@
 #pragma once
 // What the specular lobes of a patch reflect, and to which side.
 
-#include "transport/sample/sampler.h"
+#include "transport/random/sampler.h"
 #include "transport/sample/specular_lobe.h"
 
 #include "halflight/base/finite.h"

@@ -1,8 +1,8 @@
 #pragma once
 // Importance sampling of many lights in logarithmic time.
 
+#include "transport/random/stratified_pattern.h"
 #include "transport/sample/light_walk.h"
-#include "transport/sample/stratified_pattern.h"
 #include "transport/trace/lanes.h"
 
 #include "halflight/base/math.h"

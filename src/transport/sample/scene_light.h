@@ -1,10 +1,10 @@
 #pragma once
 // The light sources of a scene.
 
+#include "transport/random/sampler.h"
 #include "transport/sample/emitters.h"
 #include "transport/sample/light_reach.h"
 #include "transport/sample/lights.h"
-#include "transport/sample/sampler.h"
 #include "transport/sample/sky_light.h"
 
 #include "halflight/scene/light_groups.h"

@@ -1,7 +1,7 @@
 #pragma once
 // The sky as a light source.
 
-#include "transport/sample/alias_table.h"
+#include "transport/random/alias_table.h"
 
 #include "halflight/scene/scene.h"
 #include "halflight/shading/sky_picture.h"

@@ -1,8 +1,8 @@
 #pragma once
 // Which lights' shadows have a colour.
 
+#include "transport/random/stratified_pattern.h"
 #include "transport/sample/path_tracer.h"
-#include "transport/sample/stratified_pattern.h"
 
 #include "halflight/bake/integrator.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 // Eight texels, one per lane, with their sample points.
 
+#include "transport/random/stratified_pattern.h"
 #include "transport/sample/path_tracer.h"
-#include "transport/sample/stratified_pattern.h"
 #include "transport/texels/texel_points.h"
 #include "transport/trace/lanes.h"
 

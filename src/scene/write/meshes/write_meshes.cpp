@@ -1,4 +1,4 @@
-#include "scene/write/write_meshes.h"
+#include "scene/write/meshes/write_meshes.h"
 
 #include "scene/document/texture_coordinates.h"
 #include "scene/read/geometry/read_mesh.h"

@@ -1,4 +1,4 @@
-#include "render/scene/closed_part.h"
+#include "scene/model/closed_part.h"
 
 #include <algorithm>
 #include <cstdint>

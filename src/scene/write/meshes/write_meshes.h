@@ -4,8 +4,8 @@
 #include "scene/document/patcher.h"
 #include "scene/format/lightmap_layout.h"
 #include "scene/format/material_sides.h"
-#include "scene/write/cut_attributes.h"
-#include "scene/write/variant_groups.h"
+#include "scene/write/meshes/cut_attributes.h"
+#include "scene/write/meshes/variant_groups.h"
 
 #include "halflight/scene/baked_scene.h"
 

@@ -1,4 +1,4 @@
-#include "scene/write/cut_attributes.h"
+#include "scene/write/meshes/cut_attributes.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "scene/write/variant_groups.h"
+#include "scene/write/meshes/variant_groups.h"
 
 #include <algorithm>
 
