@@ -64,7 +64,7 @@ void measure(BakeDevice& device, const std::string& name, int size)
     std::printf("%-12s %10s %8s %8s %8s %8s %8s %8s %8s\n", "seconds", "processor", "first", "device", "memory",
                 "upload", "filter", "download", "off");
     for (const bool directions : {false, true}) {
-        const DenoiserInput input{p.geometry, p.map, grid, estimates, true, false, directions};
+        const DenoiserInput input{p.geometry, p.map, grid, estimates, true, directions};
         Signals cpu;
         Signals gpu;
         double processor = 1.0e9;
