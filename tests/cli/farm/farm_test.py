@@ -77,7 +77,7 @@ class Farm(FarmCase):
             ["--integrator", "path"],
             ["--noise", "20%", "--directional", "on"],
             ["--denoise", "off", "--shadowmask-encoding", "distance-field", "--sky", "1,2,3"],
-            ["--bounces", "2", "--probe-layout", "grid", "--seed", "7"],
+            ["--glossy-bounces", "off", "--probe-layout", "grid", "--seed", "7"],
             ["--export", "unlit"],
         ):
             with self.subTest(options=options):
