@@ -1,4 +1,4 @@
-// What the three pipelines that trace rays have in common.
+// What pipelines that trace batches of rays have in common.
 #ifndef HALFLIGHT_BAKE_TRACE_GLSL
 #define HALFLIGHT_BAKE_TRACE_GLSL
 
@@ -14,6 +14,5 @@ layout(push_constant, scalar) uniform Push
     uvec2 results;
     uint byChance; // transmittance: blended surfaces stop rays by chance
 } push;
-
 
 #endif

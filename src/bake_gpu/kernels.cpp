@@ -26,6 +26,16 @@ struct Batch {
     gpu::Buffer upload, rays, results, readback;
 };
 
+/// What make() returns, or why the device cannot make it.
+template<typename Interface, typename Make> Result<std::unique_ptr<Interface>> made(const Make& make)
+{
+    try {
+        return std::unique_ptr<Interface>(make());
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+}
+
 } // namespace
 
 GpuKernels::GpuKernels(std::shared_ptr<BakeDevice> device, const RayScene& scene, std::unique_ptr<RayKernels> cpu)
@@ -94,11 +104,7 @@ Status GpuKernels::crossings(std::span<const Ray> rays, std::span<int> out) cons
 Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTables& tables) const
 {
     if (scene_.anyTinted()) return std::unique_ptr<DeviceGather>();
-    try {
-        return std::unique_ptr<DeviceGather>(std::make_unique<GpuGather>(*device_, gpuScene_, tables));
-    } catch (const gpu::Failure& failure) {
-        return Error{ErrorCode::DeviceFailed, failure.what()};
-    }
+    return made<DeviceGather>([&] { return std::make_unique<GpuGather>(*device_, gpuScene_, tables); });
 }
 
 Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTables& tables) const
@@ -106,11 +112,7 @@ Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTa
     const bool any = std::any_of(tables.lights.begin(), tables.lights.end(),
                                  [](const PunctualLight& light) { return light.channel >= 0 || light.directAtTexels; });
     if (scene_.anyTinted() || !any) return std::unique_ptr<DeviceShadows>();
-    try {
-        return std::unique_ptr<DeviceShadows>(std::make_unique<GpuShadows>(*device_, gpuScene_, tables));
-    } catch (const gpu::Failure& failure) {
-        return Error{ErrorCode::DeviceFailed, failure.what()};
-    }
+    return made<DeviceShadows>([&] { return std::make_unique<GpuShadows>(*device_, gpuScene_, tables); });
 }
 
 Result<std::unique_ptr<DeviceValidity>> GpuKernels::prepareValidity() const
@@ -118,11 +120,7 @@ Result<std::unique_ptr<DeviceValidity>> GpuKernels::prepareValidity() const
     if (scene_.anyTinted()) return std::unique_ptr<DeviceValidity>();
     const std::vector<uint8_t>& solid = scene_.geometry().solid;
     const bool anySolid = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
-    try {
-        return std::unique_ptr<DeviceValidity>(std::make_unique<GpuValidity>(*device_, gpuScene_, anySolid));
-    } catch (const gpu::Failure& failure) {
-        return Error{ErrorCode::DeviceFailed, failure.what()};
-    }
+    return made<DeviceValidity>([&] { return std::make_unique<GpuValidity>(*device_, gpuScene_, anySolid); });
 }
 
 std::string GpuKernels::describe(const std::string& method) const

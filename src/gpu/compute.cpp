@@ -83,7 +83,7 @@ RayPipeline::RayPipeline(Device& device, const RayShaders& shaders, uint32_t pus
         info.generalShader = info.closestHitShader = info.anyHitShader = info.intersectionShader = VK_SHADER_UNUSED_KHR;
         return info;
     };
-    std::vector<RayShaders::Ends> kinds{{shaders.miss, shaders.closest, shaders.any}};
+    std::vector<RayShaders::Ends> kinds{shaders.first};
     if (!shaders.second.miss.empty()) kinds.push_back(shaders.second);
     std::vector<VkRayTracingShaderGroupCreateInfoKHR> groups;
     const auto addGeneral = [&](VkShaderStageFlagBits stage, std::span<const uint32_t> spirv) {

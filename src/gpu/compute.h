@@ -55,14 +55,12 @@ private:
 /// second kind, which has offset 1 in both tables.
 struct RayShaders {
     struct Ends {
-        std::span<const uint32_t> miss;    ///< empty: there is no such kind
+        std::span<const uint32_t> miss;    ///< empty: there is no second kind
         std::span<const uint32_t> closest; ///< may be empty
         std::span<const uint32_t> any;     ///< may be empty
     };
     std::span<const uint32_t> generate;
-    std::span<const uint32_t> miss;
-    std::span<const uint32_t> closest; ///< may be empty
-    std::span<const uint32_t> any;     ///< may be empty
+    Ends first;
     Ends second = {};
 };
 

@@ -34,13 +34,9 @@ HL_FN float maskRayWeight(HL_IN(LightSource) light, vec3 position, vec3 normal, 
 // Weight of a shadow ray among those of direct light: the irradiance that it stands for. 0: no ray.
 HL_FN float irradianceRayWeight(HL_IN(LightSource) light, vec3 position, vec3 normal, vec2 disc)
 {
-    LightRay ray;
-    if (isAreaLight(light.type)) ray = sampleLightRay(light, position, disc);
-    return min(luminanceOf(irradianceByRay(light, ray, position, normal)), 1.0e30f); // sums of weights must be finite
+    vec3 irradiance = sampledIrradiance(light, position, normal, disc, 1.0f, 1.0f);
+    return min(luminanceOf(irradiance), 1.0e30f); // sums of weights must be finite
 }
-
-// An origin that is raised by no more than so many offsets of rays cannot be behind another surface.
-HL_CONST float kLeastLift = 4.0f;
 
 HL_NAMESPACE_END
 

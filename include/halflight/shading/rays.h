@@ -41,6 +41,8 @@ HL_FN vec3 pointOnCurvedSurface(vec3 position, vec3 weights, vec3 corners0, vec3
     curved -= weights.z * min(0.0f, dot(position - corners2, n2)) * n2;
     return curved;
 }
+// An origin that is raised by no more than so many offsets of rays cannot be behind another surface.
+HL_CONST float kLeastLift = 4.0f;
 
 HL_NAMESPACE_END
 

@@ -1,4 +1,4 @@
-// Which sample points are outside geometry: how many rays tell, and when they do.
+// Which sample points are outside geometry: how many rays test them, and when the tests end.
 #ifndef HALFLIGHT_SHADING_VALIDITY_H
 #define HALFLIGHT_SHADING_VALIDITY_H
 

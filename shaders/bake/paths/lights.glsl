@@ -85,7 +85,7 @@ vec3 shadowOriginOf(PathSurface s)
     vec3 origin = curved + s.geometricNormal * epsilon;
     // The raised origin must not be behind another surface.
     float lift = distance(onFlat, origin);
-    if (lift <= 4.0 * epsilon) return origin;
+    if (lift <= kLeastLift * epsilon) return origin;
     return transmittance(onFlat, (origin - onFlat) / lift, 0.0, lift, kStopsByChance) > 0.0 ? origin : onFlat;
 }
 

@@ -3,42 +3,25 @@
 #ifndef HALFLIGHT_BAKE_PATH_RAYS_GLSL
 #define HALFLIGHT_BAKE_PATH_RAYS_GLSL
 
-#include "../payloads.glsl"
+#include "../nearest.glsl"
 
-layout(location = 0) rayPayloadEXT NearestPayload nearest;
 layout(location = 1) rayPayloadEXT ThroughPayload through;
 
 uint traced = 0u; // rays
-
-void traceNearest(vec3 origin, float tMin, vec3 direction, float tMax, uint faces, uint flags)
-{
-    nearest.face = faces;
-    nearest.distance = -1.0;
-    traceRayEXT(accelerationStructureEXT(push.scene.tree), flags, 0xff, 0, 0, 0, origin, tMin, direction, tMax, 0);
-}
 
 // As nearest.rgen and then fronts.rgen.
 GpuHit nearestHit(vec3 origin, vec3 direction)
 {
     ++traced;
-    GpuHit hit;
-    hit.face = 0u;
-    hit.barycentric = vec2(0.0);
-    hit.distance = uintBitsToFloat(0x7f800000u);
-    hit.tint = vec3(1.0);
-    traceNearest(origin, 0.0, direction, kLongestRay, kAllFaces, gl_RayFlagsNoneEXT);
-    if (nearest.distance < 0.0) return hit;
-    hit.face = nearest.face & ~kHiddenBit;
-    hit.barycentric = nearest.barycentric;
-    hit.distance = nearest.distance;
-    if ((nearest.face & kHiddenBit) == 0u) return hit;
-    float near = hit.distance * 1.0e-6 + rayEpsilon(origin + direction * hit.distance, push.scene.scale);
-    traceNearest(origin, max(hit.distance - near, 0.0), direction, hit.distance + near, kNoHiddenBacks,
-                 gl_RayFlagsNoOpaqueEXT);
-    if (nearest.distance < 0.0) return hit;
-    hit.face = nearest.face;
-    hit.barycentric = nearest.barycentric;
-    hit.distance = nearest.distance;
+    GpuRay ray;
+    ray.origin = origin;
+    ray.tMin = 0.0;
+    ray.direction = direction;
+    ray.tMax = kLongestRay;
+    GpuHit hit = noHit();
+    traceNearest(ray);
+    takeHit(hit);
+    preferFront(ray, hit);
     return hit;
 }
 
