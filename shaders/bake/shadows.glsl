@@ -166,14 +166,14 @@ float epsilonAt(vec3 position)
 // smoothOrigin() in transport/sample/direct_light.cpp.
 vec3 smoothOriginOf(TexelPoint p)
 {
-    uvec3 c = cornersOf(map, p.fragment);
-    vec3 front = worldNormal(map, p.fragment, map.surfaces.frames.at[p.fragment.triangle].normal);
+    uvec3 c = cornersOf(map.surfaces, p.fragment.triangle, p.fragment.instance);
+    vec3 front = worldNormal(map.surfaces, p.fragment.instance, map.surfaces.frames.at[p.fragment.triangle].normal);
     vec3 weights = vec3(1.0 - p.barycentric.x - p.barycentric.y, p.barycentric);
-    return pointOnCurvedSurface(p.position, weights, positionOf(map, p.fragment, c.x),
-                                positionOf(map, p.fragment, c.y), positionOf(map, p.fragment, c.z),
-                                worldNormal(map, p.fragment, map.surfaces.normals.at[c.x]),
-                                worldNormal(map, p.fragment, map.surfaces.normals.at[c.y]),
-                                worldNormal(map, p.fragment, map.surfaces.normals.at[c.z]), p.geometricNormal,
+    return pointOnCurvedSurface(p.position, weights, positionOf(map.surfaces, p.fragment.instance, c.x),
+                                positionOf(map.surfaces, p.fragment.instance, c.y), positionOf(map.surfaces, p.fragment.instance, c.z),
+                                normalOf(map.surfaces, p.fragment.instance, c.x),
+                                normalOf(map.surfaces, p.fragment.instance, c.y),
+                                normalOf(map.surfaces, p.fragment.instance, c.z), p.geometricNormal,
                                 dot(front, p.geometricNormal) < 0.0);
 }
 

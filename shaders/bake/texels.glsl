@@ -2,7 +2,7 @@
 #ifndef HALFLIGHT_BAKE_TEXELS_GLSL
 #define HALFLIGHT_BAKE_TEXELS_GLSL
 
-#include "scene.glsl"
+#include "surfaces.glsl"
 
 #include "bake_gpu/shadows/texel_layout.h"
 #include "halflight/shading/texel_points.h"
@@ -10,20 +10,6 @@
 
 layout(buffer_reference, scalar) buffer MapTexels { GpuMapTexel at[]; };
 layout(buffer_reference, scalar) buffer Fragments { GpuFragment at[]; };
-layout(buffer_reference, scalar) buffer Corners { uvec3 at[]; };
-layout(buffer_reference, scalar) buffer Frames { GpuFrame at[]; };
-layout(buffer_reference, scalar) buffer Instances { GpuInstance at[]; };
-
-// GpuSurfaces::Addresses: the triangles that texels lie on.
-layout(buffer_reference, scalar) buffer SurfaceData
-{
-    Corners corners; // by stored triangle: its vertices
-    Frames frames;   // the same
-    Vectors positions; // by stored vertex
-    Vectors normals;
-    Pairs places; // of the vertices on the page, in texels
-    Instances instances;
-};
 
 // Texels of a call, and what they lie on.
 struct TexelData
@@ -33,12 +19,6 @@ struct TexelData
     Fragments fragments;
 };
 
-uvec3 cornersOf(TexelData map, GpuFragment fragment)
-{
-    uvec3 corners = map.surfaces.corners.at[fragment.triangle];
-    bool turned = fragment.instance != kNone && map.surfaces.instances.at[fragment.instance].mirrored != 0u;
-    return turned ? corners.xzy : corners;
-}
 vec2 pagePlaceOf(TexelData map, GpuFragment fragment, uint corner)
 {
     vec2 stored = map.surfaces.places.at[corner];
@@ -46,23 +26,6 @@ vec2 pagePlaceOf(TexelData map, GpuFragment fragment, uint corner)
     GpuInstance instance = map.surfaces.instances.at[fragment.instance];
     return instance.texelScale * stored + instance.texelOffset;
 }
-vec3 positionOf(TexelData map, GpuFragment fragment, uint corner)
-{
-    vec3 stored = map.surfaces.positions.at[corner];
-    if (fragment.instance == kNone) return stored;
-    GpuInstance instance = map.surfaces.instances.at[fragment.instance];
-    return mat3(instance.linear[0], instance.linear[1], instance.linear[2]) * stored + instance.origin;
-}
-vec3 worldNormal(TexelData map, GpuFragment fragment, vec3 stored)
-{
-    if (fragment.instance == kNone) return stored;
-    GpuInstance instance = map.surfaces.instances.at[fragment.instance];
-    vec3 n =
-        mat3(instance.worldFromNormal[0], instance.worldFromNormal[1], instance.worldFromNormal[2]) * stored;
-    float size = length(n);
-    return size > 0.0 ? n / size : stored;
-}
-
 // A texel, its candidates and the number of rounds that they come in.
 struct TexelCandidates
 {
@@ -86,7 +49,7 @@ TexelCandidates candidatesOf(TexelData map, GpuMapTexel texel)
     vec2 high = c.least;
     for (uint f = 0u; f < texel.fragmentCount; ++f) {
         GpuFragment fragment = map.fragments.at[texel.firstFragment + f];
-        uvec3 corners = cornersOf(map, fragment);
+        uvec3 corners = cornersOf(map.surfaces, fragment.triangle, fragment.instance);
         for (int i = 0; i < 3; ++i) {
             vec2 place = pagePlaceOf(map, fragment, corners[i]);
             low = min(low, place);
@@ -109,7 +72,7 @@ struct PageTriangle
 };
 PageTriangle pageTriangleOf(TexelData map, GpuFragment fragment)
 {
-    uvec3 corners = cornersOf(map, fragment);
+    uvec3 corners = cornersOf(map.surfaces, fragment.triangle, fragment.instance);
     PageTriangle t;
     t.corner = pagePlaceOf(map, fragment, corners.x);
     t.edge1 = pagePlaceOf(map, fragment, corners.y) - t.corner;
@@ -148,19 +111,19 @@ struct TexelPoint
 
 TexelPoint pointOn(TexelData map, GpuFragment fragment, vec2 barycentric)
 {
-    uvec3 corners = cornersOf(map, fragment);
+    uvec3 corners = cornersOf(map.surfaces, fragment.triangle, fragment.instance);
     vec3 least = leastWeights(pagePlaceOf(map, fragment, corners.x), pagePlaceOf(map, fragment, corners.y),
                               pagePlaceOf(map, fragment, corners.z));
     TexelPoint p;
     p.fragment = fragment;
     p.barycentric = insetWeights(barycentric, least);
     vec3 weights = vec3(1.0 - p.barycentric.x - p.barycentric.y, p.barycentric);
-    p.position = weights.x * positionOf(map, fragment, corners.x) + weights.y * positionOf(map, fragment, corners.y) +
-                 weights.z * positionOf(map, fragment, corners.z);
-    p.geometricNormal = worldNormal(map, fragment, map.surfaces.frames.at[fragment.triangle].normal);
-    vec3 n0 = worldNormal(map, fragment, map.surfaces.normals.at[corners.x]);
-    vec3 n1 = worldNormal(map, fragment, map.surfaces.normals.at[corners.y]);
-    vec3 n2 = worldNormal(map, fragment, map.surfaces.normals.at[corners.z]);
+    p.position = weights.x * positionOf(map.surfaces, fragment.instance, corners.x) + weights.y * positionOf(map.surfaces, fragment.instance, corners.y) +
+                 weights.z * positionOf(map.surfaces, fragment.instance, corners.z);
+    p.geometricNormal = worldNormal(map.surfaces, fragment.instance, map.surfaces.frames.at[fragment.triangle].normal);
+    vec3 n0 = normalOf(map.surfaces, fragment.instance, corners.x);
+    vec3 n1 = normalOf(map.surfaces, fragment.instance, corners.y);
+    vec3 n2 = normalOf(map.surfaces, fragment.instance, corners.z);
     bool flat_ = n0 == n1 && n0 == n2;
     p.normal = shadingNormalOf(flat_ ? n0 : weights.x * n0 + weights.y * n1 + weights.z * n2, p.geometricNormal);
     return p;

@@ -101,10 +101,17 @@ Status GpuKernels::crossings(std::span<const Ray> rays, std::span<int> out) cons
     });
 }
 
+const GpuSurfaces& GpuKernels::surfaces() const
+{
+    const std::lock_guard lock(surfacesMutex_);
+    if (!surfaces_) surfaces_.emplace(device_->device(), gpuScene_, scene_.geometry());
+    return *surfaces_;
+}
+
 Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTables& tables) const
 {
     if (scene_.anyTinted()) return std::unique_ptr<DeviceGather>();
-    return made<DeviceGather>([&] { return std::make_unique<GpuGather>(*device_, gpuScene_, tables); });
+    return made<DeviceGather>([&] { return std::make_unique<GpuGather>(*device_, gpuScene_, surfaces(), tables); });
 }
 
 Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTables& tables) const
@@ -112,7 +119,7 @@ Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTa
     const bool any = std::any_of(tables.lights.begin(), tables.lights.end(),
                                  [](const PunctualLight& light) { return light.channel >= 0 || light.directAtTexels; });
     if (scene_.anyTinted() || !any) return std::unique_ptr<DeviceShadows>();
-    return made<DeviceShadows>([&] { return std::make_unique<GpuShadows>(*device_, gpuScene_, tables); });
+    return made<DeviceShadows>([&] { return std::make_unique<GpuShadows>(*device_, gpuScene_, surfaces(), tables); });
 }
 
 Result<std::unique_ptr<DeviceValidity>> GpuKernels::prepareValidity() const

@@ -1,8 +1,11 @@
 #pragma once
 // Vulkan's ray-tracing pipelines behind RayKernels.
 
-#include "bake_gpu/gpu_scene.h"
+#include "bake_gpu/gpu_surfaces.h"
 #include "transport/trace/ray_kernels.h"
+
+#include <mutex>
+#include <optional>
 
 namespace halflight {
 
@@ -36,10 +39,15 @@ private:
     Status trace(Verb verb, std::span<const Ray> rays, bool byChance, const Use& use) const;
     [[nodiscard]] bool onDevice(std::size_t rays) const { return rays >= kLeastBatch && !scene_.anyTinted(); }
 
+    /// Made when they are first asked for. Throws gpu::Failure.
+    const GpuSurfaces& surfaces() const;
+
     const RayScene& scene_;
     std::shared_ptr<BakeDevice> device_;
     std::unique_ptr<RayKernels> cpu_;
     GpuScene gpuScene_;
+    mutable std::mutex surfacesMutex_; ///< guards surfaces_
+    mutable std::optional<GpuSurfaces> surfaces_;
 };
 
 } // namespace halflight

@@ -78,6 +78,21 @@ struct GpuMaskedTriangle {
     vec2 uv[6]; // corners 0 to 2 of set 0, then of set 1
 };
 
+// BakeGeometry::Instance.
+struct GpuInstance {
+    vec3 linear[3]; // columns
+    vec3 origin;
+    vec3 worldFromNormal[3];
+    vec2 texelScale;
+    vec2 texelOffset;
+    uint mirrored;
+};
+// [BakeGeometry::Frame]
+struct GpuFrame {
+    vec3 normal;
+    float texelMeters;
+};
+
 HL_NAMESPACE_END
 
 #endif

@@ -21,29 +21,17 @@ struct PathSurface {
     vec3 emission;
 };
 
-// BakeGeometry::verticesOf().
 uvec3 verticesOf(GpuPathFace face, GpuPathPart part)
 {
-    uvec3 v = paths().triangles.at[face.stored];
-    bool mirrored = part.instance != kNone && paths().instances.at[part.instance].mirrored != 0u;
-    return mirrored ? v.xzy : v;
+    return cornersOf(paths().surfaces, face.stored, part.instance);
 }
-
 vec3 positionInWorld(GpuPathPart part, uint vertex)
 {
-    vec3 stored = paths().positions.at[vertex];
-    if (part.instance == kNone) return stored;
-    GpuPathInstance place = paths().instances.at[part.instance];
-    return place.linear * stored + place.origin;
+    return positionOf(paths().surfaces, part.instance, vertex);
 }
-
 vec3 normalInWorld(GpuPathPart part, uint vertex)
 {
-    vec3 stored = paths().normals.at[vertex];
-    if (part.instance == kNone) return stored;
-    vec3 n = paths().instances.at[part.instance].worldFromNormal * stored;
-    float size = length(n);
-    return size > 0.0 ? n / size : stored;
+    return normalOf(paths().surfaces, part.instance, vertex);
 }
 
 // Materials::smallTexel(): four bytes.

@@ -5,6 +5,7 @@
 #include "../mathematics.glsl"
 
 #include "../gather.glsl"
+#include "../surfaces.glsl"
 
 #include "bake_gpu/gather/path_layout.h"
 #include "halflight/shading/light_source.h"
@@ -12,24 +13,19 @@
 
 layout(buffer_reference, scalar) buffer PathFaces { GpuPathFace at[]; };
 layout(buffer_reference, scalar) buffer PathParts { GpuPathPart at[]; };
-layout(buffer_reference, scalar) buffer PathInstances { GpuPathInstance at[]; };
 layout(buffer_reference, scalar) buffer PathMaterials { GpuPathMaterial at[]; };
 layout(buffer_reference, scalar) buffer Emitters { GpuEmitter at[]; };
 layout(buffer_reference, scalar) buffer LightSources { LightSource at[]; };
 layout(buffer_reference, scalar) buffer LightTree { LightNode at[]; };
-layout(buffer_reference, scalar) buffer Corners { uvec3 at[]; };
 layout(buffer_reference, scalar) buffer Colors { vec4 at[]; };
 
 layout(buffer_reference, scalar) buffer PathTables
 {
     PathFaces faces;         // by hit index
     PathParts parts;
-    PathInstances instances;
     PathMaterials materials;
-    Corners triangles;       // stored ones: their vertices
-    Vectors positions;       // by stored vertex
-    Vectors normals;
-    Colors colors;
+    SurfaceData surfaces;
+    Colors colors;           // by stored vertex
     Pairs uv[kPathTextureSets];
     Pictures pictures;
     Words texels;            // of all pictures, four bytes each

@@ -83,8 +83,8 @@ struct GpuGather::Workspace {
 
 GpuGather::~GpuGather() = default;
 
-GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GatherTables& tables)
-    : device_(device), scene_(scene), pathTables_(device.device(), scene, tables), paths_(device.paths())
+GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const GatherTables& tables)
+    : device_(device), scene_(scene), pathTables_(device.device(), scene, surfaces, tables), paths_(device.paths())
 {
     gpu::Device& on = device.device();
     const auto keep = [&](const auto& list) {

@@ -9,8 +9,8 @@ namespace halflight {
 
 class GpuGather final : public DeviceGather {
 public:
-    /// Uploads the tables. Throws gpu::Failure. `device` and `scene` outlive it.
-    GpuGather(BakeDevice& device, const GpuScene& scene, const GatherTables& tables);
+    /// Uploads the tables. Throws gpu::Failure. All but the tables outlive it.
+    GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const GatherTables& tables);
     ~GpuGather() override;
 
     Status gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,

@@ -6,10 +6,6 @@
 
 HL_NAMESPACE_BEGIN
 
-#ifdef __cplusplus
-using halflight::mat3;
-#endif
-
 // A triangle that rays hit.
 struct GpuPathFace {
     uint stored;  // number among BakeGeometry::triangles
@@ -23,13 +19,6 @@ struct GpuPathPart {
     uint material;
     uint instance; // kNone: stored in world space
     uint receivesShadows;
-};
-// BakeGeometry::Instance.
-struct GpuPathInstance {
-    mat3 linear;
-    vec3 origin;
-    mat3 worldFromNormal;
-    uint mirrored;
 };
 
 // TransportMaterial. Of its textures `set` is the number of the texture coordinates; kNone: they are zero. A picture's

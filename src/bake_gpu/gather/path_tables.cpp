@@ -16,7 +16,7 @@ static_assert(kPathTextureSets == kTexCoordSets && kPathLevels == RadianceCache:
 
 /// PathTables in shaders/bake/paths/tables.glsl.
 struct PathTables::Addresses {
-    VkDeviceAddress faces, parts, instances, materials, triangles, positions, normals, colors;
+    VkDeviceAddress faces, parts, materials, surfaces, colors;
     std::array<VkDeviceAddress, kPathTextureSets> uv;
     VkDeviceAddress pictures, texels, linear;
     std::array<VkDeviceAddress, kPathLevels> levels;
@@ -50,18 +50,14 @@ GpuPathMaterial pathMaterialOf(const BakeGeometry& geometry, const TransportMate
             pathTextureOf(geometry, m.emissive)};
 }
 
-GpuPathInstance pathInstanceOf(const BakeGeometry::Instance& instance)
-{
-    return {instance.linear, instance.origin, instance.worldFromNormal, instance.mirrored ? 1u : 0u};
-}
-
 } // namespace
 
-PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GatherTables& tables)
+PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces,
+                       const GatherTables& tables)
 {
     Addresses to{};
     addSurfaces(device, tables, to);
-    to.positions = scene.positions();
+    to.surfaces = surfaces.address();
     addPictures(device, tables.paths.surfaces().materials(), to);
     addLights(device, scene, tables, to);
     for (std::size_t i = 0; i < kPathLevels; ++i) {
@@ -97,11 +93,6 @@ void PathTables::addSurfaces(gpu::Device& device, const GatherTables& tables, Ad
         parts.push_back({part.material < 0 ? materials - 1 : uint32_t(part.material), part.instance,
                          part.receiveShadows ? 1u : 0u});
     to.parts = keep(device, parts);
-    std::vector<GpuPathInstance> instances;
-    for (const BakeGeometry::Instance& instance : geometry.instances) instances.push_back(pathInstanceOf(instance));
-    to.instances = keep(device, instances);
-    to.triangles = keep(device, geometry.triangles);
-    to.normals = keep(device, geometry.normals);
     to.colors = keep(device, geometry.colors);
     to.all.coloredVertices = geometry.colors.empty() ? 0 : 1;
     for (std::size_t i = 0; i < kPathTextureSets; ++i) to.uv[i] = keep(device, geometry.uv[i]);

@@ -1,15 +1,15 @@
 #pragma once
 // What the paths of open gather rays read, in a device's memory.
 
-#include "bake_gpu/gpu_scene.h"
+#include "bake_gpu/gpu_surfaces.h"
 #include "transport/lightmap/device_gather.h"
 
 namespace halflight {
 
 class PathTables {
 public:
-    /// Uploads the tables. Throws gpu::Failure. `scene` outlives it.
-    PathTables(gpu::Device& device, const GpuScene& scene, const GatherTables& tables);
+    /// Uploads the tables. Throws gpu::Failure. `surfaces` outlive it.
+    PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces, const GatherTables& tables);
 
     /// Of PathTables in shaders/bake/paths/tables.glsl.
     [[nodiscard]] VkDeviceAddress address() const { return tables_.address(); }

@@ -89,9 +89,10 @@ struct GpuShadows::Workspace {
 
 GpuShadows::~GpuShadows() = default;
 
-GpuShadows::GpuShadows(BakeDevice& device, const GpuScene& scene, const ShadowTables& tables)
+GpuShadows::GpuShadows(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces,
+                       const ShadowTables& tables)
     : device_(device), scene_(scene), geometry_(tables.surfaces.geometry()), firstLight_(tables.lights.data()),
-      anySmooth_(anySmoothTriangle(geometry_)), surfaces_(device.device(), scene, geometry_)
+      anySmooth_(anySmoothTriangle(geometry_))
 {
     gpu::Device& on = device.device();
     const auto keep = [&](const auto& list) {
@@ -101,7 +102,7 @@ GpuShadows::GpuShadows(BakeDevice& device, const GpuScene& scene, const ShadowTa
     const std::vector<shading::LightSource> lights(tables.lights.begin(), tables.lights.end());
     const StratifiedPattern::Tables pattern = tables.pattern.tables();
     const std::span<const uint32_t> batches = ShadowGroup::firstBatches();
-    const ShadowTableAddresses t{surfaces_.address(),         keep(lights),         keep(batches),
+    const ShadowTableAddresses t{surfaces.address(),          keep(lights),         keep(batches),
                                  keep(pattern.radii),         keep(pattern.angles), uint32_t(batches.size()),
                                  tables.surfaces.sceneScale()};
     tables_ = bufferOf(on, std::span<const ShadowTableAddresses>(&t, 1));

@@ -1,7 +1,7 @@
 #pragma once
 // Shadow rays on a device: their origins, both rays of each and their sums, in one submission.
 
-#include "bake_gpu/shadows/gpu_surfaces.h"
+#include "bake_gpu/gpu_surfaces.h"
 #include "transport/shadows/device_shadows.h"
 
 #include <memory>
@@ -11,8 +11,8 @@ namespace halflight {
 
 class GpuShadows final : public DeviceShadows {
 public:
-    /// Uploads the tables. Throws gpu::Failure. `device` and `scene` outlive it.
-    GpuShadows(BakeDevice& device, const GpuScene& scene, const ShadowTables& tables);
+    /// Uploads the tables. Throws gpu::Failure. All but the tables outlive it.
+    GpuShadows(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const ShadowTables& tables);
     ~GpuShadows() override;
 
     Status trace(const TexelMap& map, const Batch& batch, std::span<LitSum> sums, uint64_t& rays) const override;
@@ -27,9 +27,8 @@ private:
     BakeDevice& device_;
     const GpuScene& scene_;
     const BakeGeometry& geometry_;
-    const PunctualLight* firstLight_; ///< of the scene
-    bool anySmooth_ = false;          ///< some triangle's normals describe a curved surface
-    GpuSurfaces surfaces_;
+    const PunctualLight* firstLight_;  ///< of the scene
+    bool anySmooth_ = false;           ///< some triangle's normals describe a curved surface
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to
     gpu::Buffer tables_;
     mutable std::mutex mutex_; ///< the workspace takes turns

@@ -24,21 +24,6 @@ HL_CONST uint kFrontOfBoth = 1u; // of TexelSide
 HL_CONST uint kMeanTexel = 2u;
 HL_CONST uint kReceivesShadows = 4u;
 
-// BakeGeometry::Instance.
-struct GpuInstance {
-    vec3 linear[3]; // columns
-    vec3 origin;
-    vec3 worldFromNormal[3];
-    vec2 texelScale;
-    vec2 texelOffset;
-    uint mirrored;
-};
-// [BakeGeometry::Frame]
-struct GpuFrame {
-    vec3 normal;
-    float texelMeters;
-};
-
 HL_NAMESPACE_END
 
 #endif

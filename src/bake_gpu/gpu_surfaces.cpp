@@ -1,4 +1,4 @@
-#include "bake_gpu/shadows/gpu_surfaces.h"
+#include "bake_gpu/gpu_surfaces.h"
 
 #include "bake_gpu/transfer.h"
 #include "transport/texels/texel_points.h"
