@@ -65,7 +65,8 @@ layout(buffer_reference, scalar) buffer Lists
     Vectors sources;    // irradiance without shadows
     Floats passed;      // transmittance of source rays
     SumsList sums;
-    OpenList open;      // rays that go on as paths
+    OpenList open;      // rays that go on as paths: each group of 64 rays has its own first in its place
+    Words openBefore;   // by group of rays: how many of it are open; for paths.rgen, how many of all groups before
     OpenList emissive;  // rays that hit an emitter
     Words counts;       // k…Count
     uint blockCount;
@@ -90,6 +91,11 @@ bool sampleOf(uint ray, out uint block, out int stratum)
     block = ray / size * kChunk + ray % kChunk;
     stratum = int(ray % size / kChunk);
     return block < push.lists.blockCount;
+}
+// Rays of a launch: those of whole chunks.
+uint rayCount()
+{
+    return (push.lists.blockCount + kChunk - 1u) / kChunk * kChunk * uint(kPatternBlock);
 }
 uint rayOf(uint block, int stratum)
 {

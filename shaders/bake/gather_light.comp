@@ -19,7 +19,7 @@ float sourceWeight(GpuGatherTexel texel, GpuPoint point, GpuRay ray, GpuHit hit,
 }
 
 // A ray whose light is that of a path (paths/paths.rgen), or of an emitter, which the processor adds.
-void addTo(uint block, int stratum, GpuRay ray, GpuHit hit, OpenList list, uint counter)
+GpuOpen openRay(uint block, int stratum, GpuRay ray, GpuHit hit)
 {
     GpuOpen open;
     open.block = block;
@@ -28,16 +28,16 @@ void addTo(uint block, int stratum, GpuRay ray, GpuHit hit, OpenList list, uint 
     open.barycentric = hit.barycentric;
     open.distance = hit.distance;
     open.direction = ray.direction;
-    list.at[atomicAdd(push.lists.counts.at[counter], 1u)] = open;
+    return open;
 }
 
-// The light of each gather ray: FinalGather::weightHits().
-void main()
+// The light of a gather ray: FinalGather::weightHits(). True where it is a path's; then `open` is set.
+bool gatherLight(uint i, out GpuOpen open)
 {
-    uint i = invocation();
     uint block;
     int stratum;
-    if (!sampleOf(i, block, stratum)) return;
+    if (!sampleOf(i, block, stratum)) return false;
+    bool isOpen = false;
     GpuRay ray = push.lists.rays.at[i];
     GpuHit hit = push.lists.hits.at[i];
     vec3 radiance = vec3(0.0);
@@ -53,7 +53,7 @@ void main()
             lit = litPatchAt(surface, at, patchId, hit.distance);
         }
         if (lit == kNone) {
-            addTo(block, stratum, ray, hit, push.lists.open, kOpenCount);
+            isOpen = true;
         } else {
             GpuBlock b = push.lists.blocks.at[block];
             GpuGatherTexel texel = push.lists.texels.at[b.texel];
@@ -61,8 +61,29 @@ void main()
             radiance = patchRadianceAlong(light.radiance, light.tilt, ray.direction) *
                        sourceWeight(texel, pointOf(texel, b.number, stratum), ray, hit, patchId);
         }
+        open = openRay(block, stratum, ray, hit);
         if ((surface.patches & kEmissive) != 0u)
-            addTo(block, stratum, ray, hit, push.lists.emissive, kEmissiveCount);
+            push.lists.emissive.at[atomicAdd(push.lists.counts.at[kEmissiveCount], 1u)] = open;
     }
     push.lists.gathered.at[i] = radiance * kShadingPi;
+    return isOpen;
+}
+
+shared uint openOf[kGroupSize];
+
+// Open rays keep the order of all rays. An order by atomic counters would change from run to run, and on some devices
+// a ray's neighbours decide which of two triangles it hits at their common edge.
+void main()
+{
+    uint i = invocation();
+    GpuOpen open;
+    bool isOpen = gatherLight(i, open);
+    openOf[gl_LocalInvocationIndex] = isOpen ? 1u : 0u;
+    barrier();
+    uint before = 0u; // in this group
+    for (uint j = 0u; j < gl_LocalInvocationIndex; ++j) before += openOf[j];
+    uint group = i / kGroupSize;
+    if (isOpen) push.lists.open.at[group * kGroupSize + before] = open;
+    if (gl_LocalInvocationIndex == kGroupSize - 1u)
+        push.lists.openBefore.at[group] = before + openOf[gl_LocalInvocationIndex];
 }

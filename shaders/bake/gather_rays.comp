@@ -11,7 +11,7 @@ void main()
     uint block;
     int stratum;
     bool inside = sampleOf(i, block, stratum);
-    if (i >= (push.lists.blockCount + kChunk - 1u) / kChunk * kChunk * uint(kPatternBlock)) return;
+    if (i >= rayCount()) return;
     GpuRay ray;
     ray.origin = vec3(0.0);
     ray.tMin = 0.0;

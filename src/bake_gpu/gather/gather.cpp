@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 namespace halflight {
 namespace {
@@ -30,8 +31,8 @@ struct Tables {
 };
 /// Lists in shaders/bake/gather.glsl.
 struct Lists {
-    VkDeviceAddress texels, points, blocks, rays, hits, gathered, sourceRays, sources, passed, sums, open, emissive,
-        counts;
+    VkDeviceAddress texels, points, blocks, rays, hits, gathered, sourceRays, sources, passed, sums, open, openBefore,
+        emissive, counts;
     uint32_t blockCount;
 };
 struct Push {
@@ -74,11 +75,12 @@ struct GpuGather::Workspace {
           passed(device, kMostRays * sizeof(float), gpu::kAddressed, gpu::MemoryUse::Device),
           sums(device, kMostBlocks * sizeof(Sums), gpu::kAddressed, gpu::MemoryUse::Readback),
           open(device, kMostRays * sizeof(GpuOpen), gpu::kAddressed, gpu::MemoryUse::Device),
+          openBefore(device, kMostRays / kGroupSize * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback),
           emissive(device, kMostRays * sizeof(EmitterHit), gpu::kAddressed, gpu::MemoryUse::Readback),
           counts(device, kCounters * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
     {}
-    gpu::Buffer texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open, emissive,
-        counts;
+    gpu::Buffer texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open,
+        openBefore, emissive, counts;
 };
 
 GpuGather::~GpuGather() = default;
@@ -149,10 +151,10 @@ Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> p
     write(w.points, points);
     write(w.blocks, blocks);
     std::memset(w.counts.mapped(), 0, w.counts.size());
-    const Lists lists{w.texels.address(), w.points.address(),     w.blocks.address(),     w.rays.address(),
-                      w.hits.address(),   w.gathered.address(),   w.sourceRays.address(), w.sources.address(),
-                      w.passed.address(), w.sums.address(),       w.open.address(),       w.emissive.address(),
-                      w.counts.address(), uint32_t(blocks.size())};
+    const Lists lists{w.texels.address(),   w.points.address(),   w.blocks.address(),     w.rays.address(),
+                      w.hits.address(),     w.gathered.address(), w.sourceRays.address(), w.sources.address(),
+                      w.passed.address(),   w.sums.address(),     w.open.address(),       w.openBefore.address(),
+                      w.emissive.address(), w.counts.address(),   uint32_t(blocks.size())};
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
     const bool anySources =
         std::any_of(texels.begin(), texels.end(), [](const Texel& texel) { return texel.sources > 0; });
@@ -163,7 +165,7 @@ Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> p
     };
     try {
         traceRays(blocks.size(), anySources);
-        finishRays(blocks.size(), counted(kOpenCount));
+        finishRays(blocks.size(), placesOfOpenRays(blocks.size()));
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }
@@ -177,13 +179,32 @@ Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> p
     return {};
 }
 
+/// Rays of the launches of `blocks`: those of whole chunks.
+uint32_t GpuGather::rayCount(std::size_t blocks)
+{
+    return uint32_t((blocks + kChunk - 1) / kChunk * kChunk * kPatternBlock);
+}
+
+/// Finds how many open rays come before those of each group. Returns how many there are.
+uint32_t GpuGather::placesOfOpenRays(std::size_t blocks) const
+{
+    const gpu::Buffer& list = workspace_->openBefore;
+    std::vector<uint32_t> groups(rayCount(blocks) / kGroupSize);
+    const std::span<uint32_t> bytes(groups);
+    std::memcpy(groups.data(), list.mapped(), bytes.size_bytes());
+    const uint32_t last = groups.back();
+    std::exclusive_scan(groups.begin(), groups.end(), groups.begin(), 0u);
+    std::memcpy(list.mapped(), groups.data(), bytes.size_bytes());
+    return groups.back() + last;
+}
+
 /// Traces the rays of all blocks. Those whose light is unknown are in a list afterwards.
 void GpuGather::traceRays(std::size_t blocks, bool anySources) const
 {
     const Workspace& w = *workspace_;
     const Push push{tables_.address(), w.lists.address()};
     const std::span<const std::byte> bytes = gpu::bytesOf(push);
-    const auto count = uint32_t((blocks + kChunk - 1) / kChunk * kChunk * kPatternBlock);
+    const uint32_t count = rayCount(blocks);
     device_.device().execute([&](VkCommandBuffer commands) {
         device_.gatherRays().run(commands, bytes, count, kGroupSize);
         device_.nearest(commands, {scene_.address(), w.rays.address(), w.hits.address()}, count);

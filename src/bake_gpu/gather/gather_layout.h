@@ -42,10 +42,9 @@ struct GpuOpen {
     vec3 direction;
 };
 // Counters of a call.
-HL_CONST uint kOpenCount = 0u;
-HL_CONST uint kEmissiveCount = 1u;
-HL_CONST uint kRayCount = 2u; // of sources and paths
-HL_CONST uint kCounters = 3u;
+HL_CONST uint kEmissiveCount = 0u;
+HL_CONST uint kRayCount = 1u; // of sources and paths
+HL_CONST uint kCounters = 2u;
 
 // [PatchLayout::Surface, PatchRadiance]
 struct GpuSurface {
