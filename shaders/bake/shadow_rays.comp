@@ -24,7 +24,6 @@ void main()
             bool hidden = isLifted(target.point, onTriangle, raised) && push.lists.passed.at[i] == 0.0;
             ray.origin = hidden ? onTriangle : raised;
             LightRay toLight = sampleLightRay(push.tables.lights.at[target.light], ray.origin, target.disc);
-            ray.tMin = epsilonAt(target.point.position);
             ray.direction = toLight.direction;
             ray.tMax = toLight.distance * kShortOfSurface;
             atomicAdd(push.lists.counts.at[0], 1u);

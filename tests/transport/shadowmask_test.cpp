@@ -126,6 +126,19 @@ TEST(ShadowmaskS8, NoDarkSeamAtTheFootOfAWall)
     }
 }
 
+/// A lamp close below a floor: the floor itself is between, for each ray. Rays start above it by a small distance,
+/// which may not be left out of them.
+TEST(ShadowmaskS8, FloorsHideLampsBelow)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(-0.4f, 1.98f, 0.4f), vec3(0.8f, 0, 0), vec3(0, 0, -0.8f)}, grey, kPage,
+                 {vec2(0), vec2(64)});
+    scene.lights.push_back(makeLight(LightType::Point, vec3(-0.03f, 1.75f, 0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    for (const vec4 m : bench.shadowmask()) EXPECT_EQ(m.x, 0.0f);
+}
+
 /// A box with averaged normals close to a wall: moving shadow rays out to the curved surface must not move them
 /// through.
 TEST(ShadowmaskS8, SmoothNormalsDoNotLeakThroughWalls)

@@ -98,5 +98,27 @@ TEST(TexelValidityS6, EachPointOfATexelByItself)
     }
 }
 
+/// A strip one texel wide, whose middle lies in the plane of a box's bottom: half of each texel is inside the box. In
+/// that plane a ray can miss the bottom, so that points on both sides of it would seem to be together.
+TEST(TexelValidityS6, PlanesThroughTheMiddleOfAStrip)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(-2, -0.1f, 0), vec3(4, 0, 0), vec3(0, 0.2f, 0)}, grey, kPage,
+                 {vec2(2.0f), vec2(22.0f, 2.95f)});
+    addBox(scene, vec3(-3, 0, -0.1f), vec3(3, 1, 0.1f), grey, false);
+    joinObjects(scene, 1);
+    const Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    ASSERT_GE(bench.map.texels.size(), 20u);
+    for (const Texel& texel : bench.map.texels) {
+        TexelPoints points;
+        const int count = texelPoints(bench.geometry, bench.map, texel, points);
+        PointMask expected = 0;
+        for (int p = 0; p < count; ++p)
+            if (points[std::size_t(p)].position.y < 0.0f) expected = PointMask(expected | (1u << p));
+        EXPECT_EQ(texel.validPoints, expected) << "texel " << texel.x << ", " << texel.y;
+    }
+}
+
 } // namespace
 } // namespace halflight::test::single_texels_test

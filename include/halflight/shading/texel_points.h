@@ -21,10 +21,12 @@ HL_FN int candidateRounds(vec2 size, float covered)
     return int(clamp(size.x * size.y / max(covered, 1.0e-6f) + 0.5f, 1.0f, float(kTexelCandidates)));
 }
 
-// Candidate `number` in the rectangle from `least` on: the R2 sequence.
+// Candidate `number` in the rectangle from `least` on: the R2 sequence. Its first point would be the centre, where
+// planes of other surfaces often lie: it is beside them, in no symmetric direction.
 HL_FN vec2 texelCandidate(vec2 least, vec2 size, int number)
 {
-    return least + size * r2Point(number);
+    vec2 place = least + size * r2Point(number);
+    return number == 0 ? place + kInsetTexels * vec2(1.0f, 0.5f) : place;
 }
 
 // Barycentric weights of a place, relative to vertex 0 of a triangle with two edges from there.

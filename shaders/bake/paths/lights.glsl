@@ -55,7 +55,6 @@ struct PathLightSample {
     vec3 light; // without shadows; zero: there is no ray
     vec3 origin;
     vec3 direction;
-    float tMin;
     float tMax;
     float shadowStrength;
 };
@@ -66,7 +65,6 @@ PathLightSample noLight()
     result.light = vec3(0.0);
     result.origin = vec3(0.0);
     result.direction = vec3(0.0, 0.0, 1.0);
-    result.tMin = 0.0;
     result.tMax = -1.0;
     result.shadowStrength = 1.0;
     return result;
@@ -86,7 +84,7 @@ vec3 shadowOriginOf(PathSurface s)
     // The raised origin must not be behind another surface.
     float lift = distance(onFlat, origin);
     if (lift <= kLeastLift * epsilon) return origin;
-    return transmittance(onFlat, (origin - onFlat) / lift, 0.0, lift, kStopsByChance) > 0.0 ? origin : onFlat;
+    return transmittance(onFlat, (origin - onFlat) / lift, lift, kStopsByChance) > 0.0 ? origin : onFlat;
 }
 
 // One light's, chosen as SceneLight::chooseLight() does.
@@ -114,7 +112,6 @@ PathLightSample sampleSources(PathSurface s, PathLobe lobe, inout PathSampler nu
     result.origin = shadowOriginOf(s);
     LightRay ray = sampleLightRay(light, result.origin, disc);
     result.direction = ray.direction;
-    result.tMin = epsilonAt(s);
     result.tMax = ray.distance * kShortOfSurface;
     result.shadowStrength = light.shadowStrength;
     return result;
@@ -240,8 +237,7 @@ vec3 sampledLight(PathSurface s, PathLobe lobe, inout PathSampler numbers)
             next = sampleBrightSky(s, lobe, luminanceOf(sum), numbers);
         if (next.light == vec3(0.0)) continue;
         float passed = 1.0;
-        if (next.tMax >= next.tMin)
-            passed = transmittance(next.origin, next.direction, next.tMin, next.tMax, kMultiplies);
+        if (next.tMax >= 0.0) passed = transmittance(next.origin, next.direction, next.tMax, kMultiplies);
         sum += next.light * mix(1.0, passed, next.shadowStrength);
     }
     return sum;

@@ -26,13 +26,13 @@ GpuHit nearestHit(vec3 origin, vec3 direction)
 }
 
 // `state`: kMultiplies, or kStopsByChance as RayKernels::occluded() does.
-float transmittance(vec3 origin, vec3 direction, float tMin, float tMax, uint state)
+float transmittance(vec3 origin, vec3 direction, float tMax, uint state)
 {
     ++traced;
     through.depth = 0u;
     through.state = state;
     traceRayEXT(accelerationStructureEXT(push.scene.tree),
-                gl_RayFlagsTerminateOnFirstHitEXT | gl_RayFlagsSkipClosestHitShaderEXT, 0xff, 1, 0, 1, origin, tMin,
+                gl_RayFlagsTerminateOnFirstHitEXT | gl_RayFlagsSkipClosestHitShaderEXT, 0xff, 1, 0, 1, origin, 0.0,
                 direction, min(tMax, kLongestRay), 1);
     return through.state == kPassed ? exp2(-float(through.depth) / 65536.0) : 0.0;
 }

@@ -38,7 +38,7 @@ Ray DirectLight::shadowRay(const PunctualLight& light, const SurfacePoint& point
     const vec3 origin = shadowOrigin(point, rays);
     const LightRay ray = sampleLightRay(light, origin, disc);
     ++rays;
-    return {origin, tracer_.epsilonAt(point.position), ray.direction, ray.distance * kShortOfSurface};
+    return {origin, 0.0f, ray.direction, ray.distance * kShortOfSurface};
 }
 
 vec3 DirectLight::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc,
