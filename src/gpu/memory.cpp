@@ -158,6 +158,7 @@ Allocation Memory::allocate(const VkMemoryRequirements& requirements, MemoryUse 
                 if (auto offset = carve(*block)) return make(*block, *offset);
 
     const VkDeviceSize bytes = dedicated ? requirements.size : kBlockBytes;
+    if (most_ > 0 && isOnDevice(types.front()) && bytes_ + bytes > most_) destroyEmptyBlocks();
     if (most_ > 0 && isOnDevice(types.front()) && bytes_ + bytes > most_)
         throw LimitReached("it takes more than " + std::to_string(most_ >> 20) + " MiB of the device's memory");
     // A full heap is not the end where another memory type will do.
@@ -167,8 +168,18 @@ Allocation Memory::allocate(const VkMemoryRequirements& requirements, MemoryUse 
             return make(block, *carve(block));
         } catch (const Failure&) {
             if (i + 1 == types.size()) throw;
+            destroyEmptyBlocks();
         }
     }
+}
+
+void Memory::destroyEmptyBlocks()
+{
+    std::erase_if(blocks_, [&](const auto& block) {
+        const bool empty = isEmpty(*block);
+        if (empty) destroyBlock(*block);
+        return empty;
+    });
 }
 
 void Memory::release(Allocation& allocation)
@@ -186,7 +197,11 @@ void Memory::release(Allocation& allocation)
         (it - 1)->size += it->size;
         it = block.free.erase(it) - 1;
     }
-    if (it->size == block.size) {
+    const auto isSpare = [&](const auto& other) {
+        return other.get() != &block && other->type == block.type && other->image == block.image && !other->dedicated &&
+               isEmpty(*other);
+    };
+    if (isEmpty(block) && (block.dedicated || std::any_of(blocks_.begin(), blocks_.end(), isSpare))) {
         destroyBlock(block);
         std::erase_if(blocks_, [&](const auto& candidate) { return candidate.get() == &block; });
     }

@@ -1,5 +1,6 @@
 #pragma once
-// Device memory: blocks of 64 MiB cut first-fit; what is larger than a quarter of a block gets a block of its own.
+// Device memory: blocks of 64 MiB cut first-fit; what is larger than a quarter of a block gets a block of its own. One
+// empty block of each kind stays: drivers take 20 ms to make one that the host sees, and each upload needs some.
 
 #include "gpu/vulkan.h"
 
@@ -73,6 +74,11 @@ private:
         std::byte* mapped = nullptr;
         std::vector<Range> free; ///< by offset, never adjacent
     };
+    [[nodiscard]] static bool isEmpty(const Block& block)
+    {
+        return !block.free.empty() && block.free.front().size == block.size;
+    }
+    void destroyEmptyBlocks();
     Block& addBlock(uint32_t type, VkDeviceSize size, bool image, bool dedicated);
     void release(Allocation& allocation);
     void destroyBlock(Block& block);
