@@ -22,6 +22,7 @@ set(HALFLIGHT_NIGHTLY
     [[ReferencePicture.*]]
     [[MixedPicture.*]]
     [[OnePlaneS6S7.*]]
+    [[.*WholeBakesS6.*]]
     [[ShowcaseS26.*]])
 list(JOIN HALFLIGHT_NIGHTLY "|" HALFLIGHT_NIGHTLY)
 set(HALFLIGHT_NIGHTLY "^(${HALFLIGHT_NIGHTLY})$")

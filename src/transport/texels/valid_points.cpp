@@ -42,17 +42,18 @@ public:
             const std::size_t last = std::min(first + atOnce, blocks.size());
             const auto shareOf = [&](std::size_t block) { return double(block) / double(blocks.size()); };
             const Progress part = partOf(progress_, shareOf(first), shareOf(last));
-            Open open;
-            if (Status s = testBlocks(std::span(blocks).subspan(first, last - first), begin, masks, open, part); !s)
+            std::vector<Open> parts;
+            if (Status s = testBlocks(std::span(blocks).subspan(first, last - first), begin, masks, parts, part); !s)
                 return s;
-            if (Status s = testOpen(open, begin, masks); !s) return s;
+            if (Status s = testOpen(inOrder(parts), begin, masks); !s) return s;
         }
         return {};
     }
 
 private:
-    /// Texels that the device tests.
+    /// Texels that the device tests, of the blocks from `firstBlock` on.
     struct Open {
+        std::size_t firstBlock = 0;
         std::vector<uint32_t> texels;
         std::vector<DeviceValidity::Texel> points; ///< theirs
 
@@ -64,14 +65,14 @@ private:
     };
 
     /// Masks of the texels of some blocks, from texel `begin` on, but for open ones.
-    Status testBlocks(std::span<const uint32_t> blocks, std::size_t begin, std::span<PointMask> masks, Open& open,
-                      const Progress& progress) const
+    Status testBlocks(std::span<const uint32_t> blocks, std::size_t begin, std::span<PointMask> masks,
+                      std::vector<Open>& open, const Progress& progress) const
     {
         std::mutex mutex;
         const bool finished =
             parallelFor(blocks.size(), kGrain, progress, kStage, [&](std::size_t first, std::size_t last) {
                 uint64_t traced = 0;
-                Open some;
+                Open some{first, {}, {}};
                 for (std::size_t i = first; i < last && !progress.cancelled() && !paths_.surfaces().failed(); ++i) {
                     forChartsOf(blocks[i], [&](std::span<BlockTexel> members) {
                         for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel - begin < masks.size();
@@ -84,9 +85,18 @@ private:
                 }
                 rays_ += traced;
                 const std::lock_guard lock(mutex);
-                open.add(some);
+                open.push_back(std::move(some));
             });
         return paths_.surfaces().outcome(finished);
+    }
+
+    /// All parts, in the order of their blocks: on some devices a ray's neighbours decide what it hits at an edge.
+    static Open inOrder(std::vector<Open>& parts)
+    {
+        std::ranges::sort(parts, {}, &Open::firstBlock);
+        Open all;
+        for (const Open& part : parts) all.add(part);
+        return all;
     }
 
     void leaveOpen(const BlockTexel& from, Open& open) const
@@ -100,7 +110,6 @@ private:
         open.points.push_back(to);
     }
 
-    /// A texel's mask depends on its own points alone: their order in the list, which is by chance, does not matter.
     Status testOpen(const Open& open, std::size_t begin, std::span<PointMask> masks) const
     {
         if (open.texels.empty()) return {};

@@ -1,0 +1,160 @@
+// Whole bakes on a device have the light of the processor's (spec S6): lightmap, masks and probes of whole files, with
+// the same seeds on both. HALFLIGHT_TEST_SCENES names other files, between colons; scripts/gpu_check.sh bakes them all.
+
+#include "bake/seeds.h"
+#include "bake_gpu/test_device.h"
+
+#include "halflight/bake/bake.h"
+#include "halflight/scene/gltf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <sstream>
+
+namespace halflight::test::whole_bakes_test {
+namespace {
+
+constexpr int kBlock = 8; // texels along a side
+
+std::vector<std::string> scenes()
+{
+    std::vector<std::string> files;
+    if (const char* named = std::getenv("HALFLIGHT_TEST_SCENES")) {
+        std::istringstream list(named);
+        for (std::string file; std::getline(list, file, ':');) files.push_back(file);
+        return files;
+    }
+    for (const char* name : {"two_rooms.glb", "area_lights.glb"})
+        files.push_back((std::filesystem::path(HALFLIGHT_SOURCE_DIR) / "assets/tests" / name).string());
+    return files;
+}
+
+std::string nameOf(const testing::TestParamInfo<std::string>& info)
+{
+    std::string name = std::filesystem::path(info.param).stem().string();
+    std::ranges::replace_if(
+        name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+    return name;
+}
+
+BakeSettings settingsOf(uint32_t seed)
+{
+    BakeSettings settings;
+    settings.samples = 32;
+    settings.shadowSamples = 16;
+    settings.lightmapSize = 128;
+    settings.probeLayout = ProbeLayout::Grid;
+    settings.reflectionProbes = false;
+    settings.seed = seed;
+    return settings;
+}
+
+/// What is compared of a bake: means of blocks of the pages, and probes.
+struct Values {
+    std::vector<double> light;  ///< lux
+    std::vector<double> masks;  ///< 0 to 1
+    std::vector<double> probes; ///< mean radiance, nits
+};
+
+template<typename Image, typename Value>
+void addBlocks(const Image& page, const Value& value, std::vector<double>& blocks)
+{
+    for (int y = 0; y < page.height(); y += kBlock) {
+        for (int x = 0; x < page.width(); x += kBlock) {
+            const int right = std::min(x + kBlock, page.width());
+            const int bottom = std::min(y + kBlock, page.height());
+            double sum = 0.0;
+            for (int v = y; v < bottom; ++v)
+                for (int u = x; u < right; ++u) sum += double(value(page(u, v)));
+            blocks.push_back(sum / double((right - x) * (bottom - y)));
+        }
+    }
+}
+
+Values valuesOf(const BakeResult& result)
+{
+    Values values;
+    for (const ImageRgb32f& page : result.irradiance)
+        addBlocks(
+            page, [](vec3 texel) { return luminance(texel); }, values.light);
+    for (const ImageRgba8& page : result.baked.shadowmasks)
+        for (int channel = 0; channel < 4; ++channel)
+            addBlocks(
+                page, [&](u8vec4 texel) { return double(texel[channel]) / 255.0; }, values.masks);
+    for (const Probe& probe : result.baked.probes.probes)
+        if (probe.valid) values.probes.push_back(double(luminance(probe.radiance[0])));
+    return values;
+}
+
+double meanOfAll(const std::vector<double>& values)
+{
+    double sum = 0.0;
+    for (const double value : values) sum += value / double(values.size());
+    return sum;
+}
+
+/// By block: what both have, for each seed.
+struct Pairs {
+    std::string name;
+    std::vector<std::vector<double>> differences;
+    std::vector<double> means; ///< over the blocks, of the processor, by seed
+    double difference = 0.0;   ///< the same of GPU less processor, over the seeds
+
+    void add(const std::vector<double>& cpu, const std::vector<double>& gpu, double seeds)
+    {
+        ASSERT_EQ(cpu.size(), gpu.size()) << name;
+        differences.resize(cpu.size());
+        for (std::size_t i = 0; i < cpu.size(); ++i) differences[i].push_back(gpu[i] - cpu[i]);
+        means.push_back(meanOfAll(cpu));
+        difference += (meanOfAll(gpu) - means.back()) / seeds;
+    }
+
+    /// `least`: a difference that rounding explains, over the mean.
+    void check(double least) const
+    {
+        const double mean = std::max(meanOfAll(means), 1.0e-9);
+        double worst = 0.0;
+        for (const std::vector<double>& block : differences) {
+            const SeedMean d = meanOf(block);
+            worst = std::max(worst, (std::abs(d.mean) - least * mean) / std::max(d.error, 1.0e-12));
+        }
+        std::cout << "    " << name << ": " << differences.size() << " blocks, mean differs by "
+                  << 100.0 * difference / mean << " %, largest t " << std::max(worst, 0.0) << "\n";
+        EXPECT_LE(std::abs(difference), 0.001 * mean) << name;
+        EXPECT_LE(worst, 5.0) << name;
+    }
+};
+
+class WholeBakesS6 : public BakeDeviceTest, public testing::WithParamInterface<std::string> {};
+
+TEST_P(WholeBakesS6, HaveTheProcessorsLight)
+{
+    const Result<Scene> scene = readScene(GetParam());
+    ASSERT_TRUE(scene) << scene.error().text();
+    Pairs light{"light"};
+    Pairs masks{"masks"};
+    Pairs probes{"probes"};
+    for (uint32_t seed = 1; seed <= kSeeds; ++seed) {
+        const Result<BakeResult> cpu = bake(*scene, settingsOf(seed), embreeIntegrators());
+        const Result<BakeResult> gpu = bake(*scene, settingsOf(seed), gpuIntegrators(device));
+        ASSERT_TRUE(cpu) << cpu.error().text();
+        ASSERT_TRUE(gpu) << gpu.error().text();
+        ASSERT_TRUE(gpu->report.identity.starts_with("gpu-")) << gpu->report.identity;
+        const Values a = valuesOf(*cpu);
+        const Values b = valuesOf(*gpu);
+        light.add(a.light, b.light, kSeeds);
+        masks.add(a.masks, b.masks, kSeeds);
+        probes.add(a.probes, b.probes, kSeeds);
+    }
+    std::cout << nameOf({GetParam(), 0}) << "\n";
+    constexpr double kRoundedLight = 1.0e-3;
+    light.check(kRoundedLight);
+    masks.check(1.0 / 255.0);
+    probes.check(kRoundedLight);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, WholeBakesS6, testing::ValuesIn(scenes()), nameOf);
+
+} // namespace
+} // namespace halflight::test::whole_bakes_test
