@@ -39,7 +39,7 @@ void FinalGather::addEmitters(const GatherGroup& group, int firstBlock, const Es
 
 void FinalGather::sampleEmitters(const GatherGroup& group, int number, const Estimates& estimates, uint64_t& rays)
 {
-    next_.sampleEmitters(group, number, block_, estimates.texels, rays);
+    next_.sampleEmitters(group, number, block_, estimates.texels, estimates.components, rays);
     for (int lane = 0; lane < group.lanes(); ++lane) {
         TexelEstimate& estimate = estimates.texels[std::size_t(lane)];
         if (!next_.sampledEmitters(lane)) continue;

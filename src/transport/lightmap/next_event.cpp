@@ -144,8 +144,20 @@ void NextEvent::sampleSources(const GatherGroup& group, int number, GatherBlock&
         block, rays);
 }
 
+/// Illuminance that light of emitters is added to. Among components: the least that one with emitters has of itself,
+/// because beside others' light, that of a dim one would be noise.
+float NextEvent::besideEmitters(const TexelEstimate& estimate, std::span<const ComponentEstimate> components) const
+{
+    if (components.empty()) return luminance(estimate.gathered.mean());
+    float least = kInfinity;
+    for (const int c : paths_.light().emittingComponents())
+        least = std::min(least, luminance(components[std::size_t(c)].gathered.mean()));
+    return least;
+}
+
 void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock& block,
-                               std::span<const TexelEstimate> estimates, uint64_t& rays)
+                               std::span<const TexelEstimate> estimates, std::span<const ComponentEstimate> components,
+                               uint64_t& rays)
 {
     constexpr int kBlock = StratifiedPattern::kBlock;
     ofSources_ = false;
@@ -161,9 +173,8 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
         const auto lane = std::size_t(i);
         emitterLanes_[lane] = group.active(i) && int(estimates[lane].blocks()) > number;
         if (!emitterLanes_[lane]) continue;
-        // Components have no roulette: beside others' light, that of a dim one would be noise.
-        const bool whole = block.components.count() == 0;
-        const float gathered = whole ? luminance(estimates[lane].gathered.mean()) : 0.0f;
+        const auto count = std::size_t(block.components.count());
+        const float gathered = besideEmitters(estimates[lane], components.subspan(lane * count, count));
         const float expected = cut_.total[lane] + skyIlluminance;
         const float survival = shading::rouletteSurvival(expected, gathered);
         if (skyIlluminance > 0.0f)

@@ -57,9 +57,10 @@ public:
     void sampleSources(const GatherGroup& group, int number, GatherBlock& block, uint64_t& rays);
     /// Samples emitters and the sky's bright part. Russian roulette per block: where they give little beside
     /// `estimates`, only some strata are sampled. All lanes drop the same strata first, so the remaining rays fill
-    /// packets.
+    /// packets. `components`: by lane and component, where there are some.
     void sampleEmitters(const GatherGroup& group, int number, GatherBlock& block,
-                        std::span<const TexelEstimate> estimates, uint64_t& rays);
+                        std::span<const TexelEstimate> estimates, std::span<const ComponentEstimate> components,
+                        uint64_t& rays);
     /// Whether sampleEmitters() sampled a lane.
     [[nodiscard]] bool sampledEmitters(int lane) const { return emitterLanes_[std::size_t(lane)]; }
 
@@ -72,6 +73,8 @@ private:
     {
         return float(sourceSamples_[lane]) / float(StratifiedPattern::kBlock);
     }
+    [[nodiscard]] float besideEmitters(const TexelEstimate& estimate,
+                                       std::span<const ComponentEstimate> components) const;
     void chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata);
     void setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
                 const Vec2Lanes& u, EmitterLanes& lanes) const;

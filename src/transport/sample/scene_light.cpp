@@ -13,6 +13,10 @@ SceneLight::SceneLight(const Scene& scene, const RayScene& surfaces, LightUse us
     std::vector<const PunctualLight*> all;
     for (const PunctualLight& light : lights_) all.push_back(&light);
     reach_ = LightReach(std::move(all));
+    for (int c = 0; c < components.count; ++c) {
+        const bool emits = std::ranges::any_of(emitters_.all(), [&](const auto& e) { return e.component == c; });
+        if (emits || (sky_.samples() && skyComponent() == c)) emittingComponents_.push_back(c);
+    }
 }
 
 void SceneLight::addChooser(int component)

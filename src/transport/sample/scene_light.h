@@ -11,6 +11,7 @@
 #include "halflight/shading/sampling.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -67,6 +68,8 @@ public:
     }
     /// Whether there are emitters or bright places in the sky, which receivers sample.
     [[nodiscard]] bool samplesEmission() const { return !emitters_.empty() || sky_.samples(); }
+    /// Components of these; none where light is estimated as one.
+    [[nodiscard]] std::span<const int> emittingComponents() const { return emittingComponents_; }
 
     /// A sample among the punctual lights that bounce: a light and a point of the unit disc.
     struct LightChoice {
@@ -115,6 +118,7 @@ private:
     std::vector<PunctualLight> lights_;
     Emitters emitters_;
     LightReach reach_;
+    std::vector<int> emittingComponents_;
     std::vector<Chooser> choosers_;
     SkyLight sky_;
 };
