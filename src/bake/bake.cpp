@@ -37,17 +37,17 @@ namespace {
 
 /// Estimates of all texels; in subtractive bakes also the main light's mask and direct light.
 Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::unique_ptr<PreparedLightmap> lightmap,
-                     std::vector<IrradianceEstimate>& estimates, std::vector<IrradianceEstimate>& components,
+                     std::vector<IrradianceEstimate>& estimates, ComponentSignals& components,
                      std::optional<MainLight>& main)
 {
     BakeReport& report = run.report();
     Integrator& integrator = cached.integrator;
     StageTimer timer(report, "lightmap");
     const uint64_t earlier = integrator.raysTraced();
-    const Status status = run.components.count > 0
-                              ? traceComponents(cached, *lightmap, estimates, components, run.live, run.progress)
-                          : run.live != nullptr ? run.live->irradiance(cached, *lightmap, estimates, {}, run.progress)
-                                                : cached.irradiance(*lightmap, estimates, run.progress);
+    const Status status = run.components.count > 0 ? traceComponents(run, cached, *lightmap, estimates, components)
+                          : run.live != nullptr
+                              ? run.live->irradiance(cached, *lightmap, estimates, components, run.progress)
+                              : cached.irradiance(*lightmap, estimates, run.progress);
     if (!status) return status;
     lightmap.reset(); // what the texels have in common
     timer.finish(integrator.raysTraced() - earlier);
@@ -101,8 +101,10 @@ Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
         main->addTo(values.direct);
     }
     StageTimer fillTimer(report, "fill");
-    fillInvalid(cached.geometry, cached.map, valid, values.irradiance);
-    fillInvalid(cached.geometry, cached.map, valid, values.direct);
+    if (main && directional) main->addMomentTo(moments);
+    std::vector<std::vector<vec3>*> quantities{&values.irradiance, &values.direct};
+    if (directional) quantities.push_back(&moments);
+    fillInvalid<vec3>(cached.geometry, cached.map, valid, quantities);
     fillTimer.finish();
     StageTimer timer(report, "seams");
     std::vector<ImageRgb32f>& pages = run.result.irradiance;
@@ -121,8 +123,6 @@ Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
     encodeTimer.finish();
     if (!directional) return {};
-    if (main) main->addMomentTo(moments);
-    fillInvalid(cached.geometry, cached.map, valid, moments);
     std::vector<ImageRgb32f> momentPages = dilate(cached.map, moments, kDilationRings);
     stitchSeams(cached.map, seams, weights, momentPages);
     baked.lightmapDirections = encodeDirections(pages, momentPages);
@@ -200,14 +200,20 @@ public:
         if (!timed)
             if (Status s = findSeams(); !s) return s;
         const bool grouped = run_.components.count > 0;
-        if (!grouped)
+        std::vector<uint8_t> samples; // of grouped texels
+        if (grouped) {
+            samples = largeVector<uint8_t>(estimates_.size());
+            forEachIndex(samples.size(), [&](std::size_t i) { samples[i] = DenoiserTexels::samplesOf(estimates_[i]); });
+            release(estimates_); // components have the light
+        } else {
             if (Status s = denoiseStage(run_, cached_, seams_, denoiser_, estimates_); !s) return s;
+        }
         // Pages are made in the background while others trace: to make seams equal takes one thread a while.
         Status made;
         Status traced;
         pages_.run([&] {
-            made = grouped ? componentPagesStage(run_, cached_, components_, valid_, main_ ? &*main_ : nullptr, seams_,
-                                                 pagesReport_)
+            made = grouped ? componentPagesStage(run_, cached_, components_, samples, valid_, main_ ? &*main_ : nullptr,
+                                                 seams_, pagesReport_)
                            : lightmapPagesStage(run_, cached_, estimates_, valid_, main_, seams_, pagesReport_);
         });
         if (!timed) inIsolation([&] { traced = masksAndProbes(); });
@@ -260,7 +266,7 @@ private:
     const DeviceDenoiser& denoiser_;
     double began_;
     std::unique_ptr<PreparedLightmap> lightmap_; ///< of the time before the lightmap
-    std::vector<IrradianceEstimate> components_; ///< by texel and component, of bakes with light groups
+    ComponentSignals components_;                ///< of bakes with light groups
     std::vector<IrradianceEstimate> estimates_ = largeVector<IrradianceEstimate>(cached_.map.texels.size());
     std::vector<uint8_t> valid_;
     std::vector<SeamSample> seams_;

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace halflight {
 namespace {
@@ -26,35 +27,66 @@ constexpr uint32_t kMantissaBits = 7;
 /// Bits of groups' mean directions, of eight: half a step is 1.6 % of a unit vector.
 constexpr uint32_t kDirectionBits = 6;
 
-/// Pages of one component, lux.
+/// Light of one component by texel, lux, and its pages.
+struct LightValues {
+    std::vector<vec3> irradiance;
+    std::vector<vec3> direct;  ///< empty without direct light of fully baked lights
+    std::vector<vec3> moments; ///< empty without directions
+};
 struct LightPages {
     std::vector<ImageRgb32f> irradiance;
     std::vector<ImageRgb32f> moments; ///< empty without directions
 };
 
-/// `values`: those of the estimates. `main`: subtractive's main light where it belongs to the component, else null.
-LightPages pagesOf(const CachedIntegrator& cached, const std::vector<IrradianceEstimate>& estimates, TexelValues values,
-                   const MainLight* main, const std::vector<uint8_t>& valid, const std::vector<SeamSample>& seams,
-                   bool directional)
+/// Releases the signals.
+LightValues valuesOf(Signals& signals)
+{
+    const std::size_t count = signals.gathered.size();
+    LightValues values;
+    values.irradiance = largeVector<vec3>(count);
+    forEachIndex(count, [&](std::size_t i) { values.irradiance[i] = signals.irradiance(i); });
+    release(signals.gathered);
+    values.direct = largeVector<vec3>(signals.direct.size());
+    forEachIndex(values.direct.size(), [&](std::size_t i) { values.direct[i] = signals.direct[i].irradiance; });
+    release(signals.direct);
+    values.moments = std::move(signals.moments);
+    return values;
+}
+
+void addMainLight(const MainLight& main, LightValues& values)
+{
+    if (values.direct.empty()) values.direct = largeVector<vec3>(values.irradiance.size());
+    main.addTo(values.irradiance);
+    main.addTo(values.direct);
+    if (!values.moments.empty()) main.addMomentTo(values.moments);
+}
+
+/// Of all components at one time, because they take the same texels' means.
+void fillAll(const CachedIntegrator& cached, const std::vector<uint8_t>& valid, std::vector<LightValues>& components)
+{
+    std::vector<std::vector<vec3>*> quantities;
+    for (LightValues& values : components)
+        for (std::vector<vec3>* quantity : {&values.irradiance, &values.direct, &values.moments})
+            if (!quantity->empty()) quantities.push_back(quantity);
+    fillInvalid<vec3>(cached.geometry, cached.map, valid, quantities);
+}
+
+/// Releases the values.
+LightPages pagesOf(const TexelMap& map, LightValues& values, const std::vector<SeamSample>& seams)
 {
     LightPages pages;
-    if (main != nullptr) {
-        main->addTo(values.irradiance);
-        main->addTo(values.direct);
-    }
-    fillInvalid(cached.geometry, cached.map, valid, values.irradiance);
-    fillInvalid(cached.geometry, cached.map, valid, values.direct);
-    pages.irradiance = dilate(cached.map, values.irradiance, kDilationRings);
-    const std::vector<float> weights =
-        lightSeamWeights(seams, pages.irradiance, dilate(cached.map, values.direct, kDilationRings));
-    stitchSeams(cached.map, seams, weights, pages.irradiance);
-    if (!directional) return pages;
-    std::vector<vec3>& moments = values.irradiance;
-    forEachIndex(moments.size(), [&](std::size_t i) { moments[i] = estimates[i].moment; });
-    if (main != nullptr) main->addMomentTo(moments);
-    fillInvalid(cached.geometry, cached.map, valid, moments);
-    pages.moments = dilate(cached.map, moments, kDilationRings);
-    stitchSeams(cached.map, seams, weights, pages.moments);
+    pages.irradiance = dilate(map, values.irradiance, kDilationRings);
+    release(values.irradiance);
+    std::vector<ImageRgb32f> direct;
+    if (!values.direct.empty()) direct = dilate(map, values.direct, kDilationRings);
+    release(values.direct);
+    const std::vector<float> weights = lightSeamWeights(seams, pages.irradiance, direct);
+    release(direct);
+    stitchSeams(map, seams, weights, pages.irradiance);
+    if (values.moments.empty()) return pages;
+    pages.moments = dilate(map, values.moments, kDilationRings);
+    release(values.moments);
+    stitchSeams(map, seams, weights, pages.moments);
     return pages;
 }
 
@@ -103,17 +135,23 @@ void roundDirections(std::vector<ImageRgba8>& pages)
             }
 }
 
-/// Whether some of a component's light in the lightmap has not been reflected.
-bool hasDirectLight(const LightComponents& components, const BakedScene& baked, int component)
+/// Whether punctual lights of a component are fully baked.
+bool hasBakedLights(const LightComponents& components, const BakedScene& baked, int component)
 {
-    if (std::ranges::count(components.ofSky, component) > 0) return true;
-    if (std::ranges::count(components.ofMaterial, component) > 0) return true;
     for (std::size_t i = 0; i < components.ofLight.size(); ++i) {
         const bool baking =
             baked.mode == MixedLightingMode::Subtractive || baked.scene.lights[i].baking.bakeType == LightMode::Baked;
         if (components.ofLight[i] == component && baking) return true;
     }
     return false;
+}
+
+/// Whether some of a component's light in the lightmap has not been reflected.
+bool hasDirectLight(const LightComponents& components, const BakedScene& baked, int component)
+{
+    if (std::ranges::count(components.ofSky, component) > 0) return true;
+    if (std::ranges::count(components.ofMaterial, component) > 0) return true;
+    return hasBakedLights(components, baked, component);
 }
 
 /// Pages without light have no texels.
@@ -150,39 +188,46 @@ LightComponents componentsOf(const LightGrouping& grouping)
     return components;
 }
 
-Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightmap,
-                       std::span<IrradianceEstimate> estimates, std::vector<IrradianceEstimate>& components,
-                       LiveLight* live, const Progress& progress)
+Status traceComponents(const BakeRun& run, const CachedIntegrator& cached, PreparedLightmap& lightmap,
+                       std::span<IrradianceEstimate> estimates, ComponentSignals& components)
 {
-    components = largeVector<IrradianceEstimate>(estimates.size() * std::size_t(cached.settings.components.count));
-    if (live != nullptr) return live->irradiance(cached, lightmap, estimates, components, progress);
-    return cached.irradianceByComponent(lightmap, estimates, components, progress);
+    std::vector<ComponentSignals::Content> contents;
+    for (int c = 0; c < run.components.count; ++c) {
+        const bool reflected = c > 0 && !hasDirectLight(run.components, run.baked(), c); // and nothing else
+        contents.push_back(
+            {hasBakedLights(run.components, run.baked(), c), run.report().quality.directional && !reflected});
+    }
+    components = ComponentSignals(estimates.size(), contents);
+    if (run.live != nullptr) return run.live->irradiance(cached, lightmap, estimates, components, run.progress);
+    return cached.irradianceByComponent(lightmap, estimates, components, run.progress);
 }
 
-Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
-                           std::vector<IrradianceEstimate>& components, const std::vector<uint8_t>& valid,
+Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached, ComponentSignals& components,
+                           const std::vector<uint8_t>& samples, const std::vector<uint8_t>& valid,
                            const MainLight* main, const std::vector<SeamSample>& seams, BakeReport& report)
 {
     BakedScene& baked = run.baked();
-    const bool directional = run.report().quality.directional;
-    const std::size_t count = baked.groups.size() + 1;
     StageTimer timer(report, "group pages");
-    std::vector<IrradianceEstimate> own = largeVector<IrradianceEstimate>(cached.map.texels.size());
+    if (run.settings.denoiser != Denoiser::Off) {
+        const SurfaceGrid grid(cached.map, seams);
+        denoiseComponents({cached.geometry, cached.map, grid, valid, samples}, components.components());
+    }
+    if (run.progress.cancelled()) return cancelledError();
+    std::vector<LightValues> values;
+    for (Signals& signals : components.components()) {
+        const std::size_t c = values.size();
+        LightValues& own = values.emplace_back(valuesOf(signals));
+        if (main == nullptr) continue;
+        vec3& color = c > 0 ? baked.groups[c - 1].shadowColor : baked.defaultShadowColor;
+        color = chooseShadowColor(*main, own.irradiance, valid, run.settings.subtractiveMask);
+        if (std::size_t(run.components.ofLight[main->light]) == c) addMainLight(*main, own);
+    }
+    components = {}; // its lists are released
+    fillAll(cached, valid, values);
     run.result.groupIrradiance.resize(baked.groups.size());
-    for (std::size_t c = 0; c < count; ++c) {
-        forEachIndex(own.size(), [&](std::size_t i) { own[i] = components[i * count + c]; });
-        const bool lit = std::ranges::any_of(own, [](const auto& e) { return e.irradiance != vec3(0.0f); });
-        if (lit && run.settings.denoiser != Denoiser::Off)
-            denoise(cached.geometry, cached.map, seams, own, directional);
+    for (std::size_t c = 0; c < values.size(); ++c) {
         if (run.progress.cancelled()) return cancelledError();
-        TexelValues values = splitEstimates(own);
-        if (main != nullptr) {
-            vec3& color = c > 0 ? baked.groups[c - 1].shadowColor : baked.defaultShadowColor;
-            color = chooseShadowColor(*main, values.irradiance, valid, run.settings.subtractiveMask);
-        }
-        const bool holdsMain = main != nullptr && std::size_t(run.components.ofLight[main->light]) == c;
-        LightPages pages =
-            pagesOf(cached, own, std::move(values), holdsMain ? main : nullptr, valid, seams, directional);
+        LightPages pages = pagesOf(cached.map, values[c], seams);
         if (c > 0) {
             blackenDark(pages.irradiance);
             baked.groups[c - 1].direct = hasDirectLight(run.components, baked, int(c));
@@ -192,11 +237,10 @@ Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
         }
         baked.lightmapUnitLux = lightmapUnitFor(pages.irradiance);
         baked.lightmaps = encodeLightmap(pages.irradiance, baked.lightmapUnitLux);
-        if (directional) baked.lightmapDirections = encodeDirections(pages.irradiance, pages.moments);
+        if (!pages.moments.empty()) baked.lightmapDirections = encodeDirections(pages.irradiance, pages.moments);
         run.result.irradiance = std::move(pages.irradiance);
     }
     if (run.live != nullptr && main == nullptr) run.live->finish(run.result.irradiance, run.result.groupIrradiance);
-    release(components);
     timer.finish();
     return {};
 }

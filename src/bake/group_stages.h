@@ -21,16 +21,15 @@ Result<LightGrouping> beginGroups(GroupChoice choice, MixedLightingMode mode, Sc
 /// For the integrator: group g is component g + 1.
 LightComponents componentsOf(const LightGrouping& grouping);
 
-/// Estimates of the map's texels; of components by texel and component. `live`: null where nobody looks.
-Status traceComponents(const CachedIntegrator& cached, PreparedLightmap& lightmap,
-                       std::span<IrradianceEstimate> estimates, std::vector<IrradianceEstimate>& components,
-                       LiveLight* live, const Progress& progress);
+/// Estimates of the map's texels, and the light of each component.
+Status traceComponents(const BakeRun& run, const CachedIntegrator& cached, PreparedLightmap& lightmap,
+                       std::span<IrradianceEstimate> estimates, ComponentSignals& components);
 
-/// Denoises, fills and encodes the pages of each component, into the baked scene; each by itself, as a bake of its
-/// lights alone would be. Releases `components`. `main`: subtractive's main light, or null; each component has a lower
-/// limit of its shadows.
-Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached,
-                           std::vector<IrradianceEstimate>& components, const std::vector<uint8_t>& valid,
+/// Denoises, fills and encodes the pages of each component, into the baked scene; each by weights of its own, as a bake
+/// of its lights alone would be. Releases `components`. `samples`: DenoiserTexels::samples. `main`: subtractive's main
+/// light, or null; each component has a lower limit of its shadows.
+Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached, ComponentSignals& components,
+                           const std::vector<uint8_t>& samples, const std::vector<uint8_t>& valid,
                            const MainLight* main, const std::vector<SeamSample>& seams, BakeReport& report);
 
 /// What addProbeLayers() will do to the set, for its components.

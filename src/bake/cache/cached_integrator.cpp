@@ -251,16 +251,31 @@ Status CachedIntegrator::estimatesOf(PreparedLightmap& lightmap, const TexelRequ
     return {};
 }
 
+// Estimates of all components take much more memory than what is kept of them.
 Status CachedIntegrator::irradianceByComponent(PreparedLightmap& lightmap, std::span<IrradianceEstimate> out,
-                                               std::span<IrradianceEstimate> components, const Progress& progress) const
+                                               ComponentSignals& components, const Progress& progress) const
 {
-    if (cache == nullptr)
-        return lightmap.irradianceByComponent({allIndices(map.texels.size())}, out, components, progress);
-    return irradianceOfParts(lightmap, {}, out, components, progress);
+    if (cache != nullptr) return irradianceOfParts(lightmap, {}, out, components, progress);
+    constexpr std::size_t kAtOnce = std::size_t(1)
+                                    << 18; // texels: four parts of the lightmap's, which fill all threads
+    const std::vector<uint32_t> all = allIndices(map.texels.size());
+    std::vector<IrradianceEstimate> some;
+    for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
+        const std::span<const uint32_t> texels = std::span(all).subspan(first, std::min(kAtOnce, all.size() - first));
+        const double share = 1.0 / double(all.size());
+        const Progress part = partOf(progress, double(first) * share, double(first + texels.size()) * share);
+        some.resize(texels.size() * components.count());
+        if (Status s = lightmap.irradianceByComponent({texels}, out.subspan(first, texels.size()), some, part); !s)
+            return s;
+        forEachIndex(texels.size(), [&](std::size_t i) {
+            components.set(first + i, std::span(some).subspan(i * components.count(), components.count()));
+        });
+    }
+    return {};
 }
 
 Status CachedIntegrator::irradianceOfParts(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
-                                           std::span<IrradianceEstimate> out, std::span<IrradianceEstimate> components,
+                                           std::span<IrradianceEstimate> out, ComponentSignals& components,
                                            const Progress& progress) const
 {
     BakeCache::Work<IrradianceEstimate, float> work = irradianceWork(lightmap);
@@ -268,7 +283,10 @@ Status CachedIntegrator::irradianceOfParts(PreparedLightmap& lightmap, std::span
         for (std::size_t i = 0; i < values.size(); ++i) {
             const std::size_t texel = first + i / work.perItem;
             const std::size_t c = i % work.perItem;
-            (c == 0 ? out[texel] : components[texel * componentCount() + c - 1]) = values[i];
+            if (c == 0)
+                out[texel] = values[i];
+            else
+                components.set(texel, c - 1, values[i]);
         }
     };
     const std::span<IrradianceEstimate> taken; // in place of a list

@@ -2,6 +2,7 @@
 // Integrator calls of a bake, with or without the tile cache.
 
 #include "bake/cache/cache.h"
+#include "bake/denoise/component_signals.h"
 
 namespace halflight {
 
@@ -33,12 +34,12 @@ struct CachedIntegrator {
     Status irradiance(PreparedLightmap& lightmap, std::span<IrradianceEstimate> out, const Progress& progress) const;
     /// PreparedLightmap::irradianceByComponent() of all texels.
     Status irradianceByComponent(PreparedLightmap& lightmap, std::span<IrradianceEstimate> out,
-                                 std::span<IrradianceEstimate> components, const Progress& progress) const;
+                                 ComponentSignals& components, const Progress& progress) const;
     Status shadowmask(int layer, std::span<vec4> out, const Progress& progress) const;
     /// The same of some parts of the texels, by the cache, which is there; of all without parts. `components`: empty in
     /// a bake without groups.
     Status irradianceOfParts(PreparedLightmap& lightmap, std::span<const std::size_t> parts,
-                             std::span<IrradianceEstimate> out, std::span<IrradianceEstimate> components,
+                             std::span<IrradianceEstimate> out, ComponentSignals& components,
                              const Progress& progress) const;
     /// Has some parts of the texels in the cache, which is there.
     Status fillIrradiance(PreparedLightmap& lightmap, std::span<const std::size_t> parts,

@@ -102,31 +102,37 @@ Trend fittedTrend(const TapColors& light)
                                  dot(kTerms.xy, light), dot(kTerms.yy, light)});
 }
 
-/// A texel's taps, and what the weights of several of the filter's means share.
+/// A texel's taps, and what the weights of all of the filter's means share.
 struct Neighbourhood {
     const Level& level;
     const Taps& taps;
     TapFloats cosine; ///< of the angle between a tap's normal and the middle's, 0…1
+    TapFloats near;   ///< tapNearness()
+    TapFloats plane2; ///< squared distance from the middle's plane, in taps
+    bool even = true; ///< all taps are there, on the middle's side
 
-    Neighbourhood(const Level& levelOf, const Taps& tapsOf) : level(levelOf), taps(tapsOf)
+    Neighbourhood(const Level& levelOf, const Taps& tapsOf, float tapsPerMeter) : level(levelOf), taps(tapsOf)
     {
         const vec3 own = taps.normal.at(kMiddleTap);
         cosine = forTaps([&](std::size_t k) {
             return std::max(own.x * taps.normal.r[k] + own.y * taps.normal.g[k] + own.z * taps.normal.b[k], 0.0f);
         });
+        near = nearness(tapsPerMeter);
+        plane2 = planeDistances2(tapsPerMeter);
+        for (std::size_t k = 0; even && k < kTaps; ++k) even = taps.valid[k] > 0.0f && sameSide(k);
     }
 
     /// Whether a tap lies on the middle's side of a surface, and not round a corner or a crease.
     [[nodiscard]] bool sameSide(std::size_t tap) const { return cosine[tap] >= shading::kSameSideOfTaps; }
 
     /// Change of gathered light between two taps on opposite sides, lux per tap; 0 where one is missing.
-    [[nodiscard]] vec3 slopeBetween(std::size_t behind, std::size_t ahead) const
+    [[nodiscard]] vec3 slopeBetween(const TapColors& light, std::size_t behind, std::size_t ahead) const
     {
         if (!sameSide(behind) || !sameSide(ahead)) return vec3(0.0f);
-        const TapColors& light = taps.gathered.irradiance;
         return shading::slopeOfTaps(light.at(behind), light.at(kMiddleTap), light.at(ahead));
     }
 
+private:
     /// tapNearness() of all taps. At the rim of a chart, a tap without its mirror image would shift the mean: in a dark
     /// corner, towards the light. Such taps are left out, unless the texel has no pair of taps at all.
     [[nodiscard]] TapFloats nearness(float tapsPerMeter) const
@@ -142,7 +148,6 @@ struct Neighbourhood {
         return near;
     }
 
-    /// Squared distance from the middle's plane, in taps.
     [[nodiscard]] TapFloats planeDistances2(float tapsPerMeter) const
     {
         const vec3 own = taps.normal.at(kMiddleTap) * tapsPerMeter;
@@ -169,17 +174,14 @@ struct Detrended {
 };
 
 /// The fitted trend on smooth light, slopes beside edges of light, which no polynomial follows.
-Detrended detrendedOf(const Neighbourhood& around)
+Detrended detrendedOf(const Neighbourhood& around, const TapLights& light)
 {
-    const TapLights& light = around.taps.gathered;
     Trend slopes = shading::flatTrend();
     if (around.level.number > 0) { // single texels are too noisy
-        slopes.x = around.slopeBetween(kMiddleTap - 2, kMiddleTap + 2);
-        slopes.y = around.slopeBetween(kMiddleTap - 10, kMiddleTap + 10);
+        slopes.x = around.slopeBetween(light.irradiance, kMiddleTap - 2, kMiddleTap + 2);
+        slopes.y = around.slopeBetween(light.irradiance, kMiddleTap - 10, kMiddleTap + 10);
     }
-    bool fits = true;
-    for (std::size_t k = 0; fits && k < kTaps; ++k) fits = around.taps.valid[k] > 0.0f && around.sameSide(k);
-    if (!fits) return {light, slopes};
+    if (!around.even) return {light, slopes};
     const Detrended fitted(light, fittedTrend(light.irradiance));
     const float explained = fitted.explained();
     if (explained >= shading::kEnoughExplained) return fitted; // slopes explain 1 at most
@@ -196,21 +198,19 @@ NoisyLight meanOf(const TapLights& light, const TapFloats& weights, const Trend&
                                dot(weights, light.irradiance) - shading::sumOfTrend(trend, terms), correlation);
 }
 
-/// Filters one texel; writes its entry of `out`.
-void filterTexel(const Level& level, uint32_t i, Signals& out)
+/// Filters the light of one texel; writes its entry of `out`.
+void filterLight(const Neighbourhood& around, const Signals& in, uint32_t i, Signals& out)
 {
-    const Taps taps(level, i);
-    const Neighbourhood around(level, taps);
-    const float tapsPerMeter = 1.0f / (float(level.step()) * level.guides[i].place.texelMeters);
-    const float correlation = shading::correlationOf(level.number);
+    const LightTaps taps({in, around.level.number}, around.taps);
+    const float correlation = shading::correlationOf(around.level.number);
     const Trend flat = shading::flatTrend();
-    const TapFloats near = around.nearness(tapsPerMeter);
-    const TapFloats plane2 = around.planeDistances2(tapsPerMeter);
-    const Detrended gathered = detrendedOf(around);
+    const TapFloats& near = around.near;
+    const TapFloats& plane2 = around.plane2;
+    const Detrended gathered = detrendedOf(around, taps.gathered);
     const TapFloats weights =
         forTaps([&](std::size_t k) { return near[k] * shading::falloff(plane2[k] + gathered.distances[k]); });
     out.gathered[i] = meanOf(taps.gathered, weights, gathered.trend, correlation * gathered.trend.noise);
-    const bool hasDirect = !level.in.direct.empty();
+    const bool hasDirect = !in.direct.empty();
     if (hasDirect) {
         out.direct[i] = taps.direct.middle();
         if (out.direct[i].variance > 0.0f) {
@@ -220,7 +220,7 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
             out.direct[i] = meanOf(taps.direct, ofDirect, flat, correlation);
         }
     }
-    if (!level.directions) return;
+    if (in.moments.empty()) return;
     TapFloats ofMoments = weights;
     if (hasDirect) {
         const float tolerance = shading::kMomentTolerance * taps.direct.luminance[kMiddleTap];
@@ -231,11 +231,20 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
     out.moments[i] = weight > shading::kLeastWeight ? dot(ofMoments, taps.moment) / weight : taps.moment.at(kMiddleTap);
 }
 
-std::vector<Guide> guidesOf(const DenoiserInput& input)
+/// Filters one texel of all components.
+void filterTexel(const Level& level, uint32_t i, std::span<const Signals> in, std::span<Signals> out)
 {
-    std::vector<Guide> guides = largeVector<Guide>(input.estimates.size());
+    const Taps taps(level, i);
+    const float tapsPerMeter = 1.0f / (float(level.step()) * level.guides[i].place.texelMeters);
+    const Neighbourhood around(level, taps, tapsPerMeter);
+    for (std::size_t c = 0; c < in.size(); ++c) filterLight(around, in[c], i, out[c]);
+}
+
+std::vector<Guide> guidesOf(const DenoiserTexels& texels)
+{
+    std::vector<Guide> guides = largeVector<Guide>(texels.valid.size());
     forEachIndex(guides.size(), [&](std::size_t i) {
-        guides[i] = {placeOf(input.geometry, input.map, input.map.texels[i]), input.estimates[i].valid};
+        guides[i] = {placeOf(texels.geometry, texels.map, texels.map.texels[i]), texels.valid[i] != 0};
     });
     return guides;
 }
@@ -257,7 +266,7 @@ void writeTo(std::vector<IrradianceEstimate>& estimates, const Signals& signals)
         const NoisyLight direct = signals.direct.empty() ? NoisyLight{} : signals.direct[i];
         estimates[i].irradiance = signals.gathered[i].irradiance + direct.irradiance;
         estimates[i].direct = direct.irradiance;
-        estimates[i].moment = signals.moments[i];
+        if (!signals.moments.empty()) estimates[i].moment = signals.moments[i];
         estimates[i].varianceOfMean = signals.gathered[i].variance + direct.variance;
         estimates[i].varianceOfDirect = direct.variance;
     });
@@ -265,24 +274,41 @@ void writeTo(std::vector<IrradianceEstimate>& estimates, const Signals& signals)
 
 } // namespace
 
+void denoiseComponents(const DenoiserTexels& texels, std::span<Signals> components)
+{
+    clampSignals(texels, components);
+    const std::vector<Guide> guides = guidesOf(texels);
+    std::vector<Signals> next(components.size());
+    for (std::size_t c = 0; c < next.size(); ++c) {
+        next[c].gathered = largeVector<NoisyLight>(guides.size());
+        next[c].direct = largeVector<NoisyLight>(components[c].direct.size());
+        next[c].moments = largeVector<vec3>(components[c].moments.size());
+    }
+    for (int number = 0; number < shading::kFilterLevels; ++number) {
+        const Level level{texels.grid, guides, number};
+        forEachIndex(guides.size(), [&](std::size_t i) {
+            if (guides[i].valid) filterTexel(level, uint32_t(i), components, next);
+        });
+        std::swap_ranges(components.begin(), components.end(), next.begin());
+    }
+}
+
 Signals denoisedSignals(const DenoiserInput& input)
 {
-    const std::vector<Guide> guides = guidesOf(input);
-    const std::size_t count = guides.size();
-    Signals signals = clampedSignals(input);
-    Signals next;
-    next.gathered = largeVector<NoisyLight>(count);
-    next.direct = largeVector<NoisyLight>(signals.direct.size());
-    next.moments = largeVector<vec3>(input.directions ? count : 0);
-    for (int number = 0; number < shading::kFilterLevels; ++number) {
-        const Level level{input.grid, guides, signals, number, input.directions};
-        forEachIndex(count, [&](std::size_t i) {
-            if (guides[i].valid) filterTexel(level, uint32_t(i), next);
-        });
-        signals.gathered.swap(next.gathered);
-        signals.direct.swap(next.direct);
-        if (input.directions) signals.moments.swap(next.moments);
-    }
+    const std::size_t count = input.estimates.size();
+    std::vector<uint8_t> valid = largeVector<uint8_t>(count);
+    std::vector<uint8_t> samples = largeVector<uint8_t>(count);
+    Signals signals;
+    signals.gathered = largeVector<NoisyLight>(count);
+    signals.direct = largeVector<NoisyLight>(input.hasDirect ? count : 0);
+    signals.moments = largeVector<vec3>(input.directions ? count : 0);
+    forEachIndex(count, [&](std::size_t i) {
+        const IrradianceEstimate& e = input.estimates[i];
+        valid[i] = e.valid ? 1 : 0;
+        samples[i] = DenoiserTexels::samplesOf(e);
+        signals.set(i, e);
+    });
+    denoiseComponents({input.geometry, input.map, input.grid, valid, samples}, std::span(&signals, 1));
     return signals;
 }
 

@@ -7,6 +7,8 @@
 #include "halflight/bake/integrator.h"
 #include "halflight/shading/denoise.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,11 +30,37 @@ struct DenoiserInput {
 struct Signals {
     std::vector<NoisyLight> gathered;
     std::vector<NoisyLight> direct; ///< empty where no light is fully baked
-    std::vector<vec3> moments;      ///< first moments of all light, lux
+    std::vector<vec3> moments;      ///< first moments of all light, lux; empty where they are not wanted
+
+    /// Of all light of a texel.
+    [[nodiscard]] vec3 irradiance(std::size_t texel) const
+    {
+        return gathered[texel].irradiance + (direct.empty() ? vec3(0.0f) : direct[texel].irradiance);
+    }
+    /// A texel's light as an estimate states it.
+    void set(std::size_t texel, const IrradianceEstimate& e)
+    {
+        gathered[texel] = shading::gatheredLight(e.irradiance, e.varianceOfMean, e.direct, e.varianceOfDirect);
+        if (!direct.empty()) direct[texel] = shading::directLight(e.direct, e.varianceOfDirect);
+        if (!moments.empty()) moments[texel] = e.moment;
+    }
 };
 
 /// The processor's denoiser.
 Signals denoisedSignals(const DenoiserInput& input);
+
+/// What texels of a map have in common for all of their light.
+struct DenoiserTexels {
+    const BakeGeometry& geometry;
+    const TexelMap& map;
+    const SurfaceGrid& grid;
+    std::span<const uint8_t> valid;   ///< by texel: 1 = outside geometry
+    std::span<const uint8_t> samples; ///< by texel: samples(), of all light
+    static uint8_t samplesOf(const IrradianceEstimate& estimate) { return uint8_t(std::min(estimate.samples, 255u)); }
+};
+/// Denoises light of several components (spec S33), each by weights of its own, as if it were the only one: what
+/// another one's edge would keep apart is not lost. Places, neighbours and taps are found once for all.
+void denoiseComponents(const DenoiserTexels& texels, std::span<Signals> components);
 
 /// Edge-avoiding à-trous filter on the surface: within charts, and across their `seams` (denoise.cpp). Position, normal
 /// and variance guide it. `directions`: also filters first moments, for directional lightmaps.

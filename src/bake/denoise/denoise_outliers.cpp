@@ -8,70 +8,104 @@
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
+#include <array>
+#include <utility>
+
 namespace halflight {
 namespace {
 
-/// What texel_variance.h and outliers.h read of all texels.
-struct Field {
+/// What texel_variance.h reads of all texels.
+struct StatedField {
     const SurfaceGrid& grid;
-    const DenoiserInput& input;
-    std::vector<shading::SecondDifference> differences;
-    std::vector<NoisyLight> scaled;
-    std::vector<NoisyLight> clamped;
+    std::span<const uint8_t> valid;
+    const Signals& stated;
+    std::vector<shading::SecondDifference>& differences;
 };
 
-bool isValid(const Field& field, uint32_t texel)
+bool isValid(const StatedField& field, uint32_t texel)
 {
-    return field.input.estimates[texel].valid;
+    return field.valid[texel] != 0;
 }
-/// Covered for the most part, and all of its sample points are valid.
-bool isWhole(const Field& field, uint32_t texel)
+const NoisyLight& statedLight(const StatedField& field, uint32_t texel)
 {
-    return isWhole(field.input.map, field.input.map.texels[texel]);
+    return field.stated.gathered[texel];
 }
-uint32_t samplesOf(const Field& field, uint32_t texel)
-{
-    return field.input.estimates[texel].samples;
-}
-NoisyLight statedLight(const Field& field, uint32_t texel)
-{
-    const IrradianceEstimate& e = field.input.estimates[texel];
-    return shading::gatheredLight(e.irradiance, e.varianceOfMean, e.direct, e.varianceOfDirect);
-}
-const shading::SecondDifference& differenceAt(const Field& field, uint32_t texel)
+const shading::SecondDifference& differenceAt(const StatedField& field, uint32_t texel)
 {
     return field.differences[texel];
 }
-const NoisyLight& scaledLight(const Field& field, uint32_t texel)
+
+/// The 5 × 5 texels around one on its surface, found once for all components. outliers.h takes it for a grid.
+class Neighbours {
+public:
+    Neighbours(const SurfaceGrid& grid, uint32_t texel)
+    {
+        for (int i = 0; i < kCount; ++i)
+            texels_[std::size_t(i)] =
+                shading::texelOnSurface(grid, texel, ivec2(i % kWidth - kRadius, i / kWidth - kRadius));
+    }
+    friend uint32_t texelOnSurface(const Neighbours& neighbours, uint32_t /*texel*/, ivec2 offset)
+    {
+        return neighbours.texels_[std::size_t((offset.y + kRadius) * kWidth + offset.x + kRadius)];
+    }
+
+private:
+    static constexpr int kRadius = 2;
+    static constexpr int kWidth = 2 * kRadius + 1;
+    static constexpr int kCount = kWidth * kWidth;
+    std::array<uint32_t, kCount> texels_;
+};
+
+/// What outliers.h reads of the texels around one, of one component.
+struct OutlierField {
+    const Neighbours& grid;
+    const DenoiserTexels& texels;
+    const Signals& stated;
+    std::span<const float> variances; ///< calibrated
+    bool whole = false;               ///< isWhole() of the texel in the middle
+};
+
+bool isValid(const OutlierField& field, uint32_t texel)
 {
-    return field.scaled[texel];
+    return field.texels.valid[texel] != 0;
+}
+bool isWhole(const OutlierField& field, uint32_t /*texel*/)
+{
+    return field.whole;
+}
+uint32_t samplesOf(const OutlierField& field, uint32_t texel)
+{
+    return field.texels.samples[texel];
+}
+const NoisyLight& statedLight(const OutlierField& field, uint32_t texel)
+{
+    return field.stated.gathered[texel];
+}
+NoisyLight scaledLight(const OutlierField& field, uint32_t texel)
+{
+    return {field.stated.gathered[texel].irradiance, field.variances[texel]};
 }
 
 /// Calls body(texel) for all texels outside geometry.
-template<typename Body> void forValid(const Field& field, const Body& body)
+template<typename Body> void forValid(std::span<const uint8_t> valid, const Body& body)
 {
-    parallelFor(field.input.estimates.size(), 2048, [&](std::size_t begin, std::size_t end) {
+    parallelFor(valid.size(), 2048, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            if (field.input.estimates[i].valid) body(uint32_t(i));
+            if (valid[i] != 0) body(uint32_t(i));
     });
 }
 
-void scaleVariances(Field& field)
+std::vector<float> calibratedVariances(const DenoiserTexels& texels, const Signals& stated)
 {
-    field.differences = largeVector<shading::SecondDifference>(field.input.estimates.size());
-    forValid(field, [&](uint32_t i) { field.differences[i] = shading::secondDifference(field, i); });
-    forValid(field, [&](uint32_t i) {
-        field.scaled[i] = statedLight(field, i);
-        field.scaled[i].variance *= shading::varianceScaleAt(field, i);
+    auto differences = largeVector<shading::SecondDifference>(texels.valid.size());
+    const StatedField field{texels.grid, texels.valid, stated, differences};
+    forValid(texels.valid, [&](uint32_t i) { differences[i] = shading::secondDifference(field, i); });
+    auto variances = largeVector<float>(texels.valid.size());
+    forValid(texels.valid, [&](uint32_t i) {
+        variances[i] = stated.gathered[i].variance;
+        variances[i] *= shading::varianceScaleAt(field, i);
     });
-    release(field.differences);
-}
-
-/// Keeps a texel's light, and its moment.
-void keep(Field& field, std::vector<vec3>& moments, uint32_t i, const shading::ClampedTexel& texel)
-{
-    field.clamped[i] = texel.light;
-    moments[i] = shading::scaledMoment(moments[i], field.input.estimates[i].direct, texel);
+    return variances;
 }
 
 } // namespace
@@ -81,23 +115,29 @@ bool isWhole(const TexelMap& map, const Texel& texel)
     return coveredArea(map, texel) > kMostlyCovered && texel.validPoints == kAllPoints;
 }
 
-Signals clampedSignals(const DenoiserInput& input)
+void clampSignals(const DenoiserTexels& texels, std::span<Signals> components)
 {
-    const std::size_t count = input.estimates.size();
-    Field field{input.grid, input, {}, largeVector<NoisyLight>(count), largeVector<NoisyLight>(count)};
-    Signals signals;
-    signals.moments = largeVector<vec3>(count);
-    forEachIndex(count, [&](std::size_t i) { signals.moments[i] = input.estimates[i].moment; });
-    scaleVariances(field);
-    forValid(field, [&](uint32_t i) { keep(field, signals.moments, i, shading::withoutOutlier(field, i)); });
-    signals.gathered = std::move(field.clamped);
-    if (input.hasDirect) {
-        signals.direct = largeVector<NoisyLight>(count);
-        forEachIndex(count, [&](std::size_t i) {
-            signals.direct[i] = shading::directLight(input.estimates[i].direct, input.estimates[i].varianceOfDirect);
-        });
+    std::vector<std::vector<float>> variances;
+    std::vector<std::vector<NoisyLight>> clamped;
+    for (const Signals& stated : components) {
+        variances.push_back(calibratedVariances(texels, stated));
+        clamped.push_back(largeVector<NoisyLight>(texels.valid.size()));
     }
-    return signals;
+    forValid(texels.valid, [&](uint32_t i) {
+        const Neighbours neighbours(texels.grid, i);
+        const bool whole = isWhole(texels.map, texels.map.texels[i]);
+        for (std::size_t c = 0; c < components.size(); ++c) {
+            Signals& own = components[c];
+            const OutlierField field{neighbours, texels, own, variances[c], whole};
+            const shading::ClampedTexel texel = shading::withoutOutlier(field, i);
+            clamped[c][i] = texel.light;
+            if (own.moments.empty()) continue;
+            // The moment is that of all light.
+            const vec3 direct = own.direct.empty() ? vec3(0.0f) : own.direct[i].irradiance;
+            own.moments[i] = shading::scaledMoment(own.moments[i], direct, texel);
+        }
+    });
+    for (std::size_t c = 0; c < components.size(); ++c) components[c].gathered = std::move(clamped[c]);
 }
 
 } // namespace halflight

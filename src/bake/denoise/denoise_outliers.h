@@ -8,7 +8,7 @@ namespace halflight {
 /// Covered for the most part, and all of its sample points are valid.
 bool isWhole(const TexelMap& map, const Texel& texel);
 
-/// The estimates' signals, with calibrated variances and without outliers.
-Signals clampedSignals(const DenoiserInput& input);
+/// Calibrates the variances of signals and removes their outliers, of each component by itself.
+void clampSignals(const DenoiserTexels& texels, std::span<Signals> components);
 
 } // namespace halflight

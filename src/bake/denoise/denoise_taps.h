@@ -8,6 +8,7 @@
 #include "bake/texels/texel_places.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -26,13 +27,11 @@ struct Guide {
     bool valid = false;
 };
 
-/// One level of the filter: its inputs, all indexed by texel.
+/// One level of the filter: the places of its taps, by texel.
 struct Level {
     const SurfaceGrid& grid;
-    const std::vector<Guide>& guides;
-    const Signals& in;
+    std::span<const Guide> guides;
     int number = 0; ///< taps are 2^number texels apart
-    bool directions = false;
 
     [[nodiscard]] int step() const { return 1 << number; }
 };
@@ -41,7 +40,7 @@ inline bool isValid(const Level& level, uint32_t texel)
 {
     return level.guides[texel].valid;
 }
-
+/// The place alone.
 inline shading::Tap tapOn(const Level& level, uint32_t texel)
 {
     const Guide& guide = level.guides[texel];
@@ -49,9 +48,22 @@ inline shading::Tap tapOn(const Level& level, uint32_t texel)
     tap.valid = guide.valid;
     tap.position = guide.place.position;
     tap.normal = guide.place.normal;
+    return tap;
+}
+
+/// The light that one level of the filter reads.
+struct LightLevel {
+    const Signals& in;
+    int number = 0;
+};
+
+/// The light alone.
+inline shading::Tap tapOn(const LightLevel& level, uint32_t texel)
+{
+    shading::Tap tap = shading::noTap();
     tap.gathered = level.in.gathered[texel];
     if (!level.in.direct.empty()) tap.direct = level.in.direct[texel];
-    if (level.directions) tap.moment = level.in.moments[texel];
+    if (!level.in.moments.empty()) tap.moment = level.in.moments[texel];
     return tap;
 }
 
@@ -90,28 +102,51 @@ struct Taps {
     TapFloats valid{};  ///< 1 = on the surface, and outside geometry; else 0
     TapColors position; ///< from the middle tap, metres
     TapColors normal;   ///< unit; 0 where the tap is not valid
-    TapLights gathered;
-    TapLights direct;
-    TapColors moment;
+    /// Of valid taps: the texel on the middle's chart; kNowhere beyond that.
+    std::array<uint32_t, kTaps> texels;
+    std::array<shading::Footprint, kTaps> beyond; ///< texels of the others
 
     Taps(const Level& level, uint32_t texel)
     {
         const vec3 middle = level.guides[texel].place.position;
-        for (int k = 0; k < kTaps; ++k) {
-            const shading::Tap tap = shading::tapAt(level, texel, ivec2(tapX(k), tapY(k)) * level.step());
-            if (tap.valid) set(std::size_t(k), tap, middle, level);
+        for (int i = 0; i < kTaps; ++i) {
+            const auto k = std::size_t(i);
+            const ivec2 offset = ivec2(tapX(i), tapY(i)) * level.step();
+            shading::Tap tap = shading::noTap();
+            texels[k] = shading::texelOnChart(level.grid, texel, offset);
+            if (texels[k] != shading::kNowhere) {
+                tap = tapOn(level, texels[k]);
+            } else {
+                beyond[k] = shading::partBeyond(level, texel, offset);
+                shading::setPlace(level, beyond[k], tap);
+            }
+            if (!tap.valid) continue;
+            valid[k] = 1.0f;
+            position.set(k, tap.position - middle);
+            normal.set(k, tap.normal);
         }
     }
+};
 
-private:
-    void set(std::size_t k, const shading::Tap& tap, vec3 middle, const Level& level)
+/// The light of a texel's taps.
+struct LightTaps {
+    TapLights gathered;
+    TapLights direct;
+    TapColors moment;
+
+    LightTaps(const LightLevel& level, const Taps& taps)
     {
-        valid[k] = 1.0f;
-        position.set(k, tap.position - middle);
-        normal.set(k, tap.normal);
-        gathered.set(k, tap.gathered);
-        if (!level.in.direct.empty()) direct.set(k, tap.direct);
-        if (level.directions) moment.set(k, tap.moment);
+        for (std::size_t k = 0; k < kTaps; ++k) {
+            if (taps.valid[k] == 0.0f) continue;
+            shading::Tap tap = shading::noTap();
+            if (taps.texels[k] != shading::kNowhere)
+                tap = tapOn(level, taps.texels[k]);
+            else
+                shading::setLight(level, taps.beyond[k], tap);
+            gathered.set(k, tap.gathered);
+            if (!level.in.direct.empty()) direct.set(k, tap.direct);
+            if (!level.in.moments.empty()) moment.set(k, tap.moment);
+        }
     }
 };
 

@@ -169,11 +169,10 @@ Status LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached,
 }
 
 Status LiveLight::irradiance(const CachedIntegrator& cached, PreparedLightmap& lightmap,
-                             std::span<IrradianceEstimate> out, std::span<IrradianceEstimate> components,
-                             const Progress& progress)
+                             std::span<IrradianceEstimate> out, ComponentSignals& components, const Progress& progress)
 {
     const TexelMap& map = cached.map;
-    const std::size_t count = map.texels.empty() ? 0 : components.size() / map.texels.size();
+    const std::size_t count = components.count();
     TexelOrder order = cached.cache != nullptr
                            ? TexelOrder::ofRuns(cached.geometry, map, texelsOfPart(map.texels.size()))
                            : TexelOrder::ofCharts(cached.geometry, map);
@@ -202,8 +201,7 @@ Status LiveLight::irradiance(const CachedIntegrator& cached, PreparedLightmap& l
             if (!traced) return traced;
             for (std::size_t i = 0; i < texels.size(); ++i) {
                 out[texels[i]] = estimates[i];
-                std::copy_n(parts.begin() + std::ptrdiff_t(i * count), count,
-                            components.begin() + std::ptrdiff_t(texels[i] * count));
+                components.set(texels[i], std::span(parts).subspan(i * count, count));
             }
         }
         done += texels.size();
@@ -216,17 +214,17 @@ Status LiveLight::irradiance(const CachedIntegrator& cached, PreparedLightmap& l
 }
 
 void LiveLight::show(const TexelMap& map, std::span<const uint32_t> texels, std::span<const IrradianceEstimate> all,
-                     std::span<const IrradianceEstimate> components)
+                     const ComponentSignals& components)
 {
     const std::lock_guard lock(mutex_);
     if (!pages_ || map_ != &map) return;
     for (const uint32_t texel : texels) {
         if (!all[texel].valid) continue;
         vec3 light = all[texel].irradiance;
-        if (!components.empty()) {
-            const auto own = components.subspan(texel * (factors_.size() + 1));
-            light = own[0].irradiance; // the rest
-            for (std::size_t g = 0; g < factors_.size(); ++g) light += factors_[g] * own[g + 1].irradiance;
+        if (components.count() > 0) {
+            light = components.irradiance(texel, 0); // the rest
+            for (std::size_t g = 0; g < factors_.size(); ++g)
+                light += factors_[g] * components.irradiance(texel, g + 1);
         }
         pages_->set(texel, light);
     }

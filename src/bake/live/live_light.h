@@ -29,7 +29,7 @@ public:
     /// As CachedIntegrator::irradianceByComponent(), piece by piece in the order of the view. `components`: empty
     /// without groups.
     Status irradiance(const CachedIntegrator& cached, PreparedLightmap& lightmap, std::span<IrradianceEstimate> out,
-                      std::span<IrradianceEstimate> components, const Progress& progress);
+                      ComponentSignals& components, const Progress& progress);
     /// The finished pages, lux; of groups those of their white light.
     void finish(const std::vector<ImageRgb32f>& pages, const std::vector<std::vector<ImageRgb32f>>& groups);
 
@@ -42,7 +42,7 @@ public:
 
 private:
     void show(const TexelMap& map, std::span<const uint32_t> texels, std::span<const IrradianceEstimate> all,
-              std::span<const IrradianceEstimate> components);
+              const ComponentSignals& components);
     /// Gives the scene its own light in place of white groups.
     void takeOwnLight(Scene& scene) const;
     /// Light of a few texels, without a radiance cache.

@@ -20,44 +20,85 @@ float neighborWeight(int dx, int dy)
     return dx != 0 && dy != 0 ? 0.70710678f : 1.0f;
 }
 
+template<typename T> using Quantities = std::span<std::vector<T>* const>;
+
+/// Texels that another one takes the weighted mean of.
+class Sources {
+public:
+    void clear()
+    {
+        list_.clear();
+        weight_ = 0.0f;
+    }
+    void add(uint32_t texel, float weight)
+    {
+        list_.push_back({texel, weight});
+        weight_ += weight;
+    }
+    [[nodiscard]] bool empty() const { return !(weight_ > 0.0f); }
+    template<typename T> [[nodiscard]] T meanOf(const std::vector<T>& values) const
+    {
+        T sum{};
+        for (const Source& source : list_) sum += values[source.texel] * source.weight;
+        return sum / weight_;
+    }
+
+private:
+    struct Source {
+        uint32_t texel = 0;
+        float weight = 0.0f;
+    };
+    std::vector<Source> list_;
+    float weight_ = 0.0f;
+};
+
+/// Texels of `open` take the means of what find(index into `open`, sources) adds, all at one time. Those without stay
+/// open. False if no texel has any.
+template<typename T, typename Find> bool takeMeans(std::size_t grain, const Find& find, std::vector<uint8_t>& known,
+                                                   std::vector<uint32_t>& open, Quantities<T> values)
+{
+    std::vector<T> means(open.size() * values.size());
+    std::vector<uint8_t> found(open.size());
+    parallelFor(open.size(), grain, [&](std::size_t begin, std::size_t end) {
+        Sources sources;
+        for (std::size_t o = begin; o < end; ++o) {
+            sources.clear();
+            find(o, sources);
+            found[o] = !sources.empty();
+            for (std::size_t v = 0; found[o] && v < values.size(); ++v)
+                means[o * values.size() + v] = sources.meanOf(*values[v]);
+        }
+    });
+    forEachIndex(open.size(), [&](std::size_t o) {
+        if (!found[o]) return;
+        for (std::size_t v = 0; v < values.size(); ++v) (*values[v])[open[o]] = means[o * values.size() + v];
+        known[open[o]] = 1;
+    });
+    std::size_t still = 0;
+    for (std::size_t o = 0; o < open.size(); ++o) {
+        if (!found[o]) open[still++] = open[o];
+    }
+    const bool any = still < open.size();
+    open.resize(still);
+    return any;
+}
+
 /// Ring by ring, texels of `open` take the weighted mean of the known texels next to them on their chart.
 template<typename T> void growWithinCharts(const TexelMap& map, const TexelGrid& grid, int rings,
                                            std::vector<uint8_t>& known, std::vector<uint32_t>& open,
-                                           std::vector<T>& values)
+                                           Quantities<T> values)
 {
-    std::vector<T> means(open.size());
-    std::vector<uint8_t> found(open.size());
-    for (int ring = 0; ring < rings && !open.empty(); ++ring) {
-        parallelFor(open.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t o = begin; o < end; ++o) {
-                const Texel& texel = map.texels[open[o]];
-                T sum{};
-                float weight = 0.0f;
-                for (int dy = -1; dy <= 1; ++dy) {
-                    for (int dx = -1; dx <= 1; ++dx) {
-                        const uint32_t j = grid.at(texel, dx, dy);
-                        if (j == kNoTexel || !known[j]) continue;
-                        sum += values[j] * neighborWeight(dx, dy);
-                        weight += neighborWeight(dx, dy);
-                    }
-                }
-                found[o] = weight > 0.0f;
-                if (found[o]) means[o] = sum / weight;
+    const auto find = [&](std::size_t o, Sources& sources) {
+        const Texel& texel = map.texels[open[o]];
+        for (int dy = -1; dy <= 1; ++dy) {
+            for (int dx = -1; dx <= 1; ++dx) {
+                const uint32_t j = grid.at(texel, dx, dy);
+                if (j != kNoTexel && known[j]) sources.add(j, neighborWeight(dx, dy));
             }
-        });
-        forEachIndex(open.size(), [&](std::size_t o) {
-            if (!found[o]) return;
-            values[open[o]] = means[o];
-            known[open[o]] = 1;
-        });
-        const std::size_t before = open.size();
-        std::size_t still = 0;
-        for (std::size_t o = 0; o < before; ++o) {
-            if (!found[o]) open[still++] = open[o];
         }
-        open.resize(still);
-        if (still == before) break;
-    }
+    };
+    for (int ring = 0; ring < rings && !open.empty(); ++ring)
+        if (!takeMeans(kTexelsPerTask, find, known, open, values)) break;
 }
 
 /// A texel that others may take the value of.
@@ -70,7 +111,7 @@ struct ValidTexel {
 /// Texels of `open` take the weighted mean of valid texels close by in the world, of any chart.
 template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const TexelMap& map,
                                          const std::vector<uint8_t>& valid, std::vector<uint8_t>& known,
-                                         std::vector<uint32_t>& open, std::vector<T>& values)
+                                         std::vector<uint32_t>& open, Quantities<T> values)
 {
     if (open.empty()) return;
     std::vector<TexelPlace> missing(open.size());
@@ -96,38 +137,18 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
         const TexelPlace place = placeOf(geometry, map, map.texels[j]);
         cellOf[j]->push_back({j, place.position, place.normal});
     }
-    std::vector<T> adopted(open.size());
-    std::vector<uint8_t> found(open.size(), 0);
-    parallelFor(open.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const ivec3 cell = gridCell(missing[i].position, reach);
-            T sum{};
-            float weight = 0.0f;
-            for (int n = 0; n < 27; ++n) {
-                for (const ValidTexel& other : grid.at(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1))) {
-                    const float distance = glm::distance(other.position, missing[i].position) / reach;
-                    const float facing = glm::dot(other.normal, missing[i].normal);
-                    if (distance >= 1.0f || facing <= kSameSideCosine) continue;
-                    const float w = (1.0f - distance) * (facing - kSameSideCosine);
-                    sum += values[other.texel] * w;
-                    weight += w;
-                }
+    const auto find = [&](std::size_t i, Sources& sources) {
+        const ivec3 cell = gridCell(missing[i].position, reach);
+        for (int n = 0; n < 27; ++n) {
+            for (const ValidTexel& other : grid.at(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1))) {
+                const float distance = glm::distance(other.position, missing[i].position) / reach;
+                const float facing = glm::dot(other.normal, missing[i].normal);
+                if (distance >= 1.0f || facing <= kSameSideCosine) continue;
+                sources.add(other.texel, (1.0f - distance) * (facing - kSameSideCosine));
             }
-            if (weight <= 0.0f) continue;
-            adopted[i] = sum / weight;
-            found[i] = 1;
         }
-    });
-    std::vector<uint32_t> stillOpen;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-        if (!found[i]) {
-            stillOpen.push_back(open[i]);
-            continue;
-        }
-        values[open[i]] = adopted[i];
-        known[open[i]] = 1;
-    }
-    open.swap(stillOpen);
+    };
+    takeMeans(64, find, known, open, values);
 }
 
 /// A place of a row of the padding, and the value that it takes.
@@ -206,7 +227,7 @@ template<typename T> void growIntoPadding(Image<T>& page, Image<uint32_t>& chart
 } // namespace
 
 template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelMap& map,
-                                      const std::vector<uint8_t>& valid, std::vector<T>& values)
+                                      const std::vector<uint8_t>& valid, Quantities<T> values)
 {
     std::vector<uint32_t> open = indicesWhere(valid.size(), [&](std::size_t i) { return valid[i] == 0; });
     if (open.empty()) return;
@@ -238,8 +259,8 @@ std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, 
     return pages;
 }
 
-template void fillInvalid(const BakeGeometry&, const TexelMap&, const std::vector<uint8_t>&, std::vector<vec3>&);
-template void fillInvalid(const BakeGeometry&, const TexelMap&, const std::vector<uint8_t>&, std::vector<vec4>&);
+template void fillInvalid(const BakeGeometry&, const TexelMap&, const std::vector<uint8_t>&, Quantities<vec3>);
+template void fillInvalid(const BakeGeometry&, const TexelMap&, const std::vector<uint8_t>&, Quantities<vec4>);
 template std::vector<Image<vec3>> dilate(const TexelMap&, const std::vector<vec3>&, int, bool);
 template std::vector<Image<vec4>> dilate(const TexelMap&, const std::vector<vec4>&, int, bool);
 

@@ -338,7 +338,9 @@ std::vector<float> lightSeamWeights(const std::vector<SeamSample>& seams, const 
     forEachIndex(seams.size(), [&](std::size_t i) {
         const auto [a, b] = sidesOf(light, seams[i]);
         float excess = difference(a, b, dark) - kAlike;
-        if (seams[i].bent) {
+        if (seams[i].bent && direct.empty()) {
+            excess = 0.0f;
+        } else if (seams[i].bent) {
             const auto [directA, directB] = sidesOf(direct, seams[i]);
             const float ofDirect =
                 std::abs(luminance(directA - directB)) / (std::min(luminance(a), luminance(b)) + dark);

@@ -25,8 +25,8 @@ struct SeamSample {
 std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 
 /// Weight of each seam sample, 0…1: 1 if both sides are similar, 0 if one side has several times the other's light.
-/// Gathered light may differ more at bends; `direct` is the part of `light` that lights contribute directly. Needs
-/// dilated pages, because filtering at an edge reads padding.
+/// Gathered light may differ more at bends; `direct` is the part of `light` that lights contribute directly, without
+/// pages where they contribute none. Needs dilated pages, because filtering at an edge reads padding.
 std::vector<float> lightSeamWeights(const std::vector<SeamSample>& seams, const std::vector<ImageRgb32f>& light,
                                     const std::vector<ImageRgb32f>& direct);
 /// The same for masks: 1 if both sides differ by up to a half.
