@@ -115,7 +115,7 @@ public:
         Signals signals;
         signals.gathered = largeVector<NoisyLight>(count_);
         signals.direct = largeVector<NoisyLight>(input_.hasDirect ? count_ : 0);
-        signals.moments = largeVector<vec3>(count_);
+        signals.moments = largeVector<vec3>(input_.directions ? count_ : 0);
         transfer_.download(gathered_, std::span(signals.gathered));
         transfer_.download(direct_, std::span(signals.direct));
         transfer_.download(moments_, std::span(signals.moments));
