@@ -1,5 +1,5 @@
-// The final gather: what its shaders have in common. Rays of a chunk of 32 blocks are numbered by stratum first, so that
-// neighbouring rays start from neighbouring texels in similar directions.
+// The final gather: what its shaders have in common. Rays are numbered by chunks of blocks, in which a ray's number is
+// its stratum.
 #ifndef HALFLIGHT_BAKE_GATHER_GLSL
 #define HALFLIGHT_BAKE_GATHER_GLSL
 
@@ -82,24 +82,20 @@ layout(push_constant, scalar) uniform Push
     Lists lists;
 } push;
 
-const uint kChunk = 32u; // blocks
-
 // The sample of a ray. False beyond the list of blocks.
 bool sampleOf(uint ray, out uint block, out int stratum)
 {
-    uint size = kChunk * uint(kPatternBlock);
-    block = ray / size * kChunk + ray % kChunk;
-    stratum = int(ray % size / kChunk);
+    block = itemOfRay(ray, uint(kPatternBlock));
+    stratum = int(numberInItem(ray, uint(kPatternBlock)));
     return block < push.lists.blockCount;
 }
-// Rays of a launch: those of whole chunks.
 uint rayCount()
 {
-    return (push.lists.blockCount + kChunk - 1u) / kChunk * kChunk * uint(kPatternBlock);
+    return raysOfChunks(push.lists.blockCount, uint(kPatternBlock));
 }
 uint rayOf(uint block, int stratum)
 {
-    return block / kChunk * kChunk * uint(kPatternBlock) + uint(stratum) * kChunk + block % kChunk;
+    return rayOfItem(block, uint(stratum), uint(kPatternBlock));
 }
 
 #ifndef HALFLIGHT_TRACES

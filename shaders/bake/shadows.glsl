@@ -1,5 +1,4 @@
-// Shadow rays: what their shaders have in common. Rays of a chunk of 32 half-batches are numbered by their number in
-// the half-batch first, so that neighbouring rays start from neighbouring texels.
+// Shadow rays: what their shaders have in common. Rays are numbered by chunks of half-batches.
 #ifndef HALFLIGHT_BAKE_SHADOWS_GLSL
 #define HALFLIGHT_BAKE_SHADOWS_GLSL
 
@@ -51,25 +50,22 @@ layout(push_constant, scalar) uniform Push
     Lists lists;
 } push;
 
-const uint kChunk = 32u; // half-batches
-
 TexelData map = TexelData(push.tables.surfaces, push.lists.texels, push.lists.fragments);
 
 // The half-batch of a ray, and the ray's number in it. False beyond the list.
 bool shadowRay(uint ray, out uint item, out uint number)
 {
-    const uint size = kChunk * kShadowHalf;
-    item = ray / size * kChunk + ray % kChunk;
-    number = ray % size / kChunk;
+    item = itemOfRay(ray, kShadowHalf);
+    number = numberInItem(ray, kShadowHalf);
     return item < push.lists.itemCount;
 }
 uint rayOf(uint item, uint number)
 {
-    return item / kChunk * kChunk * kShadowHalf + number * kChunk + item % kChunk;
+    return rayOfItem(item, number, kShadowHalf);
 }
 uint rayCount()
 {
-    return (push.lists.itemCount + kChunk - 1u) / kChunk * kChunk * kShadowHalf;
+    return raysOfChunks(push.lists.itemCount, kShadowHalf);
 }
 
 GpuRay noRay()

@@ -15,6 +15,26 @@ using halflight::vec3;
 HL_CONST uint kGroupSize = 64u; // invocations of a compute shader's group
 HL_CONST uint kNone = 0xffffffffu;
 
+// Some items have the same number of rays each. Rays of a chunk of items are numbered by their number in the item
+// first, so that neighbouring rays start from neighbouring texels in similar directions. A launch has whole chunks.
+HL_CONST uint kItemsOfChunk = 32u;
+HL_FN uint raysOfChunks(uint items, uint raysOfItem)
+{
+    return (items + kItemsOfChunk - 1u) / kItemsOfChunk * kItemsOfChunk * raysOfItem;
+}
+HL_FN uint itemOfRay(uint ray, uint raysOfItem)
+{
+    return ray / (kItemsOfChunk * raysOfItem) * kItemsOfChunk + ray % kItemsOfChunk;
+}
+HL_FN uint numberInItem(uint ray, uint raysOfItem)
+{
+    return ray % (kItemsOfChunk * raysOfItem) / kItemsOfChunk;
+}
+HL_FN uint rayOfItem(uint item, uint number, uint raysOfItem)
+{
+    return item / kItemsOfChunk * kItemsOfChunk * raysOfItem + number * kItemsOfChunk + item % kItemsOfChunk;
+}
+
 // A ray, and what it hits: Ray and RayHit of src/transport.
 struct GpuRay {
     vec3 origin;

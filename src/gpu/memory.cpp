@@ -158,8 +158,9 @@ Allocation Memory::allocate(const VkMemoryRequirements& requirements, MemoryUse 
                 if (auto offset = carve(*block)) return make(*block, *offset);
 
     const VkDeviceSize bytes = dedicated ? requirements.size : kBlockBytes;
-    if (most_ > 0 && isOnDevice(types.front()) && bytes_ + bytes > most_) destroyEmptyBlocks();
-    if (most_ > 0 && isOnDevice(types.front()) && bytes_ + bytes > most_)
+    const auto isTooMuch = [&] { return most_ > 0 && isOnDevice(types.front()) && bytes_ + bytes > most_; };
+    if (isTooMuch()) destroyEmptyBlocks();
+    if (isTooMuch())
         throw LimitReached("it takes more than " + std::to_string(most_ >> 20) + " MiB of the device's memory");
     // A full heap is not the end where another memory type will do.
     for (std::size_t i = 0;; ++i) {

@@ -256,8 +256,8 @@ Status CachedIntegrator::irradianceByComponent(PreparedLightmap& lightmap, std::
                                                ComponentSignals& components, const Progress& progress) const
 {
     if (cache != nullptr) return irradianceOfParts(lightmap, {}, out, components, progress);
-    constexpr std::size_t kAtOnce = std::size_t(1)
-                                    << 18; // texels: four parts of the lightmap's, which fill all threads
+    // Texels: four parts of the lightmap's, which fill all threads.
+    constexpr std::size_t kAtOnce = std::size_t(1) << 18;
     const std::vector<uint32_t> all = allIndices(map.texels.size());
     std::vector<IrradianceEstimate> some;
     for (std::size_t first = 0; first < all.size(); first += kAtOnce) {

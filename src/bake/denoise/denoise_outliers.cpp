@@ -101,10 +101,8 @@ std::vector<float> calibratedVariances(const DenoiserTexels& texels, const Signa
     const StatedField field{texels.grid, texels.valid, stated, differences};
     forValid(texels.valid, [&](uint32_t i) { differences[i] = shading::secondDifference(field, i); });
     auto variances = largeVector<float>(texels.valid.size());
-    forValid(texels.valid, [&](uint32_t i) {
-        variances[i] = stated.gathered[i].variance;
-        variances[i] *= shading::varianceScaleAt(field, i);
-    });
+    forValid(texels.valid,
+             [&](uint32_t i) { variances[i] = stated.gathered[i].variance * shading::varianceScaleAt(field, i); });
     return variances;
 }
 

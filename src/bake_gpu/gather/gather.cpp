@@ -44,7 +44,6 @@ struct PathPush {
     uint32_t unused = 0; ///< the shaders of hits have one number more
 };
 
-constexpr std::size_t kChunk = 32; ///< blocks whose rays are numbered together
 constexpr std::size_t kMostRays = DeviceGather::kMostBlocks * kPatternBlock;
 
 std::vector<vec3> normalsOf(const RayTracer& surfaces)
@@ -179,17 +178,11 @@ Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> p
     return {};
 }
 
-/// Rays of the launches of `blocks`: those of whole chunks.
-uint32_t GpuGather::rayCount(std::size_t blocks)
-{
-    return uint32_t((blocks + kChunk - 1) / kChunk * kChunk * kPatternBlock);
-}
-
 /// Finds how many open rays come before those of each group. Returns how many there are.
 uint32_t GpuGather::placesOfOpenRays(std::size_t blocks) const
 {
     const gpu::Buffer& list = workspace_->openBefore;
-    std::vector<uint32_t> groups(rayCount(blocks) / kGroupSize);
+    std::vector<uint32_t> groups(raysOfChunks(uint32_t(blocks), kPatternBlock) / kGroupSize);
     const std::span<uint32_t> bytes(groups);
     std::memcpy(groups.data(), list.mapped(), bytes.size_bytes());
     const uint32_t last = groups.back();
@@ -204,7 +197,7 @@ void GpuGather::traceRays(std::size_t blocks, bool anySources) const
     const Workspace& w = *workspace_;
     const Push push{tables_.address(), w.lists.address()};
     const std::span<const std::byte> bytes = gpu::bytesOf(push);
-    const uint32_t count = rayCount(blocks);
+    const uint32_t count = raysOfChunks(uint32_t(blocks), kPatternBlock);
     device_.device().execute([&](VkCommandBuffer commands) {
         device_.gatherRays().run(commands, bytes, count, kGroupSize);
         device_.nearest(commands, {scene_.address(), w.rays.address(), w.hits.address()}, count);

@@ -18,7 +18,6 @@ public:
 
 private:
     struct Workspace;
-    static uint32_t rayCount(std::size_t blocks);
     uint32_t placesOfOpenRays(std::size_t blocks) const;
     void traceRays(std::size_t blocks, bool anySources) const;
     void finishRays(std::size_t blocks, uint32_t open) const;

@@ -43,8 +43,7 @@ struct ShadowPush {
     VkDeviceAddress tables, lists;
 };
 
-constexpr std::size_t kShadowChunk = 32; ///< half-batches whose rays are numbered together
-static_assert(DeviceShadows::kItemsAtOnce % kShadowChunk == 0);
+static_assert(DeviceShadows::kItemsAtOnce % shading::kItemsOfChunk == 0);
 /// Fragments of the texels of a submission: two for each. More take a larger buffer.
 constexpr std::size_t kUsualFragments = 2 * DeviceShadows::kItemsAtOnce;
 
@@ -183,7 +182,7 @@ uint32_t GpuShadows::traceItems(std::size_t itemCount) const
                             w.sums.address(),    w.counts.address(),    uint32_t(itemCount)};
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
     const ShadowPush push{tables_.address(), w.lists.address()};
-    const auto count = uint32_t((itemCount + kShadowChunk - 1) / kShadowChunk * kShadowChunk * kShadowHalf);
+    const uint32_t count = shading::raysOfChunks(uint32_t(itemCount), kShadowHalf);
     const ShadowPipelines& pipelines = device_.shadows();
     device_.device().execute([&](VkCommandBuffer commands) {
         const std::span<const std::byte> bytes = gpu::bytesOf(push);

@@ -84,6 +84,7 @@ private:
                     });
                 }
                 rays_ += traced;
+                if (some.texels.empty()) return;
                 const std::lock_guard lock(mutex);
                 open.push_back(std::move(some));
             });
