@@ -1,8 +1,8 @@
 // Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run;
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
-//              [--samples N] [--seeds N] [--references DIR]
-//   PART: gather | error | shadows | seams | masks | scaling | lights | lamps | triangles
+//              [--samples N] [--seeds N] [--references DIR] [--settings FILE]
+//   PART: gather | error | shadows | seams | masks | scaling | lights | lamps | triangles | groups
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
 // sky.
 
@@ -13,6 +13,7 @@
 #include "bake/seams/seams.h"
 #include "bake/texels/rasterize.h"
 #include "equal_error.h"
+#include "group_cost.h"
 #include "measure.h"
 #include "whole_bakes.h"
 
@@ -299,6 +300,8 @@ int main(int argc, char** argv)
             options.folder = argv[++i];
         } else if (option("--target")) {
             options.target = std::atof(argv[++i]) / 100.0;
+        } else if (option("--settings")) {
+            options.settings = argv[++i];
         } else if (std::strcmp(argv[i], "--diffuse") == 0) {
             options.diffuse = true;
         } else {
@@ -324,11 +327,13 @@ int main(int argc, char** argv)
         partLamps(options);
     } else if (options.part == "triangles") {
         partTriangles(options);
+    } else if (options.part == "groups") {
+        partGroups(options);
     } else {
-        std::fprintf(stderr, "usage: bench_bake gather|error|shadows|seams|masks|scaling|lights|lamps|triangles "
+        std::fprintf(stderr, "usage: bench_bake gather|error|shadows|seams|masks|scaling|lights|lamps|triangles|groups "
                              "[--scene FILE|cornell]... "
                              "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
-                             "[--references DIR] [--diffuse]\n");
+                             "[--references DIR] [--settings FILE] [--diffuse]\n");
         return 2;
     }
     return 0;

@@ -166,7 +166,7 @@ inline Scene fieldOfLamps(int side, LightMode mode)
 
 /// `bakeLights`: all punctual lights fully baked, as a renderer's "combined" bake has them; a sky where the file has
 /// neither lights nor emission. A file's name with "@sun" behind it: directional lights and the sky alone.
-inline Scene load(std::string name, bool bakeLights)
+inline Scene load(std::string name, bool bakeLights, const std::string& settings = {})
 {
     const bool sunOnly = name.ends_with("@sun");
     if (sunOnly) name.resize(name.size() - 4);
@@ -174,7 +174,7 @@ inline Scene load(std::string name, bool bakeLights)
     if (name == "cornell") {
         scene = cornellBox();
     } else {
-        Result<Scene> read = readScene(name);
+        Result<Scene> read = readScene(name, {.settingsFile = settings});
         if (!read) {
             std::fprintf(stderr, "%s: %s\n", name.c_str(), read.error().text().c_str());
             std::exit(1);

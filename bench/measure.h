@@ -23,6 +23,7 @@ struct Options {
     int bounces = 4;
     bool diffuse = false; ///< light goes from surface to surface without specular lobes
     double target = 0.03;
+    std::string settings; ///< settings file of the scenes, for light groups
 
     [[nodiscard]] IntegrationSettings integration() const { return {.bounces = bounces, .glossyBounces = !diffuse}; }
 };

@@ -44,6 +44,10 @@ Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::un
     Integrator& integrator = cached.integrator;
     StageTimer timer(report, "lightmap");
     const uint64_t earlier = integrator.raysTraced();
+    // What texels have in common takes the most memory, and is there before lists by texel. A cache may have it all.
+    if (cached.cache == nullptr)
+        if (Status s = lightmap->prepareAll(run.progress); !s) return s;
+    estimates = largeVector<IrradianceEstimate>(cached.map.texels.size());
     const Status status = run.components.count > 0 ? traceComponents(run, cached, *lightmap, estimates, components)
                           : run.live != nullptr
                               ? run.live->irradiance(cached, *lightmap, estimates, components, run.progress)
@@ -267,7 +271,7 @@ private:
     double began_;
     std::unique_ptr<PreparedLightmap> lightmap_; ///< of the time before the lightmap
     ComponentSignals components_;                ///< of bakes with light groups
-    std::vector<IrradianceEstimate> estimates_ = largeVector<IrradianceEstimate>(cached_.map.texels.size());
+    std::vector<IrradianceEstimate> estimates_;
     std::vector<uint8_t> valid_;
     std::vector<SeamSample> seams_;
     std::optional<MainLight> main_;

@@ -100,19 +100,21 @@ struct EncodedPictures {
     std::vector<Result<Bytes>> directions;
     std::vector<Result<Bytes>> masks;
     Result<Bytes> reflections = Bytes();
+    std::vector<EncodedGroup> groups;
 };
 
 /// At one time: each takes about a second for a page of 2048 x 2048 texels, on one thread.
 EncodedPictures encodePictures(const BakedScene& baked, const WriteOptions& options)
 {
     EncodedPictures encoded;
-    const std::array<std::function<void()>, 4> works = {
+    const std::array<std::function<void()>, 5> works = {
         [&] { encoded.masks = encodeMasks(baked.shadowmasks, options.progress); },
         [&] { encoded.lightmaps = encodeLightmaps(baked, options); },
         [&] { encoded.directions = encodeMasks(baked.lightmapDirections, options.progress); },
         [&] {
             if (!baked.reflections.probes.empty()) encoded.reflections = encodeKtx2(baked.reflections.picture);
-        }};
+        },
+        [&] { encoded.groups = encodeGroups(baked, options); }};
     parallelFor(works.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) works[i]();
     });
@@ -191,7 +193,7 @@ Status writeBakePictures(PictureWriter& pictures, const BakedScene& baked, const
     if (Status s = addMasks(pictures, "shadowmasks", "shadowmask", std::move(encoded.masks), root, written.shadowmasks);
         !s)
         return s;
-    if (Status s = writeGroupPictures(pictures, baked, options, root, written); !s) return s;
+    if (Status s = writeGroupPictures(pictures, baked, std::move(encoded.groups), root, written); !s) return s;
     auto sky = writeSky(pictures, baked.scene.sky, options.skyWidth);
     if (!sky) return sky.error();
     root["sky"] = std::move(sky->record);

@@ -55,7 +55,6 @@ void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& ra
     block_.hits.lookUp(block_.bundle);
     Radiances radiance;
     weightHits(group, number, radiance, rays);
-    if (hasComponents()) addComponents(group, number);
     // A loop of its own: vector loads right after scalar stores to the same memory would stall.
     for (std::size_t stratum = 0; stratum < radiance.size(); ++stratum) {
         Vec3Lanes& r = radiance[stratum];
@@ -98,12 +97,18 @@ void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& ra
     }
     const auto radianceOf = [&](std::size_t s) { return radiance[stratumOf(s)][std::size_t(laneOf(s))]; };
     const auto set = [&](std::size_t s, vec3 r) { radiance[stratumOf(s)].set(std::size_t(laneOf(s)), r); };
+    if (hasComponents()) weights_.fill(1.0f);
     for (const std::size_t s : sources.samples()) {
         const PatchId patch = block_.hits.patch(s);
-        set(s, radianceOf(s) * next_.misWeightOfHit(block_.bundle, int(stratumOf(s)), laneOf(s), patch));
+        weights_[s] = next_.misWeightOfHit(block_.bundle, int(stratumOf(s)), laneOf(s), patch);
+        set(s, radianceOf(s) * weights_[s]);
     }
-    for (const std::size_t s : emissive.samples())
-        set(s, radianceOf(s) + emission(rayOf(group, laneOf(s), number, int(stratumOf(s)))));
+    if (hasComponents()) addComponents(group);
+    for (const std::size_t s : emissive.samples()) {
+        const vec3 emitted = emission(rayOf(group, laneOf(s), number, int(stratumOf(s))));
+        set(s, radianceOf(s) + emitted);
+        if (hasComponents()) addEmission(s, emitted);
+    }
     if (paths_.surfaces().anyTinted()) tint(radiance);
     for (const std::size_t s : continued.samples())
         set(s, continuation(rayOf(group, laneOf(s), number, int(stratumOf(s))), rays));
@@ -147,8 +152,19 @@ vec3 FinalGather::continuation(const RayFrom& ray, uint64_t& rays)
     return all;
 }
 
-/// Adds the components of what weightHits() finds, but for continuation paths, which add their own.
-void FinalGather::addComponents(const GatherGroup& group, int number)
+/// Adds what a ray receives of the emitter that it hits to the emitter's component.
+void FinalGather::addEmission(std::size_t sample, vec3 radiance)
+{
+    const auto stratum = int(stratumOf(sample));
+    const RayHit& hit = block_.bundle.hit(stratum, laneOf(sample));
+    const int component = paths_.light().emissionComponent(paths_.surfaces().triangleAt(hit.face.hitIndex));
+    block_.components.add(stratumOf(sample), std::size_t(laneOf(sample)), component, kPi * hit.tint * radiance,
+                          block_.bundle.direction(stratum, laneOf(sample)));
+}
+
+/// Adds the components of the sky and of patches, as weightHits() finds them. Emission and continuation paths add their
+/// own.
+void FinalGather::addComponents(const GatherGroup& group)
 {
     const SceneLight& light = paths_.light();
     for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
@@ -167,16 +183,10 @@ void FinalGather::addComponents(const GatherGroup& group, int number)
             }
             const PatchRadiance* cached = block_.hits.radiance(sample);
             if (cached == nullptr) continue;
-            const PatchId patch = block_.hits.patch(sample);
-            const bool isSource = next_.samplesSources(l) && next_.isSource(patch);
-            const float weight = isSource ? next_.misWeightOfHit(block_.bundle, stratum, lane, patch) : 1.0f;
             const std::span<const ComponentRadiance> components = cache_->componentsOf(*cached);
             for (std::size_t c = 0; c < components.size(); ++c)
-                block_.components.add(s, l, int(c), scale * (weight * components[c].along(direction)), direction);
-            if (!block_.hits.emissive(sample)) continue;
-            const uint32_t triangle = paths_.surfaces().triangleAt(block_.bundle.hit(stratum, lane).face.hitIndex);
-            block_.components.add(s, l, light.emissionComponent(triangle),
-                                  scale * emission(rayOf(group, lane, number, stratum)), direction);
+                block_.components.add(s, l, int(c), scale * (weights_[sample] * components[c].along(direction)),
+                                      direction);
         }
     }
 }

@@ -47,7 +47,8 @@ private:
     void tint(Radiances& radiance) const;
     void weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays);
     void sampleEmitters(const GatherGroup& group, int number, const Estimates& estimates, uint64_t& rays);
-    void addComponents(const GatherGroup& group, int number);
+    void addEmission(std::size_t sample, vec3 radiance);
+    void addComponents(const GatherGroup& group);
     [[nodiscard]] bool hasComponents() const { return block_.components.count() > 0; }
     /// A ray that hits an emitter, or goes on as a path.
     struct RayFrom {
@@ -68,7 +69,8 @@ private:
     const IntegrationSettings& settings_;
     GatherBlock block_;
     NextEvent next_;
-    PathLights lights_; ///< of the current continuation path
+    PathLights lights_;                          ///< of the current continuation path
+    std::array<float, kBlockSamples> weights_{}; ///< MIS weights of rays that hit patches, where there are components
 };
 
 } // namespace halflight
