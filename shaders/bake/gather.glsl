@@ -19,6 +19,9 @@ layout(buffer_reference, scalar) buffer Points { GpuPoint at[]; };
 layout(buffer_reference, scalar) buffer Blocks { GpuBlock at[]; };
 layout(buffer_reference, scalar) buffer SumsList { GpuSums at[]; };
 layout(buffer_reference, scalar) buffer OpenList { GpuOpen at[]; };
+layout(buffer_reference, scalar) buffer CutNodes { GpuCutNode at[]; };
+layout(buffer_reference, scalar) buffer EmitterShares { GpuEmitterShare at[]; };
+layout(buffer_reference, scalar) buffer HalvesList { GpuHalves at[]; };
 layout(buffer_reference, scalar) buffer Surfaces { GpuSurface at[]; };
 layout(buffer_reference, scalar) buffer Patches { GpuPatch at[]; };
 layout(buffer_reference, scalar) buffer Guides { GpuSourceGuide at[]; };
@@ -61,15 +64,19 @@ layout(buffer_reference, scalar) buffer Lists
     Rays rays;
     Hits hits;
     Vectors gathered;   // irradiance along each gather ray
-    Rays sourceRays;
+    Rays sourceRays;    // to secondary sources; then to emitters and the sky
     Vectors sources;    // irradiance without shadows
     Floats passed;      // transmittance of source rays
-    SumsList sums;
+    SumsList sums;      // by block, of gather rays and secondary sources
     OpenList open;      // rays that go on as paths: each group of 64 rays has its own first in its place
     Words openBefore;   // by group of rays: how many of it are open; for paths.rgen, how many of all groups before
-    OpenList emissive;  // rays that hit an emitter
+    CutNodes cuts;      // by node of a cut, then by texel
+    Floats cutTotals;   // by texel, LightTree::Cut::total
+    EmitterShares shares; // by block
+    HalvesList emitted; // by block, of emitters and the sky
     Words counts;       // k…Count
     uint blockCount;
+    uint texelCount;
 };
 
 // HALFLIGHT_TRACES: the shader is of a pipeline that traces rays. All of its shaders have the scene first.
@@ -104,6 +111,28 @@ uint invocation()
     return invocationOf(kGroupSize);
 }
 #endif
+
+// A ray that is not traced.
+GpuRay noRay()
+{
+    GpuRay ray;
+    ray.origin = vec3(0.0);
+    ray.tMin = 0.0;
+    ray.direction = vec3(0.0, 0.0, 1.0);
+    ray.tMax = -1.0;
+    return ray;
+}
+
+// A ray to where next-event estimation has chosen a point.
+GpuRay rayTo(vec3 origin, NextEventContribution next)
+{
+    GpuRay ray;
+    ray.origin = origin;
+    ray.tMin = 0.0;
+    ray.direction = next.direction;
+    ray.tMax = next.distance * kShortOfSurface;
+    return ray;
+}
 
 GpuPoint pointOf(GpuGatherTexel texel, uint block, int stratum)
 {

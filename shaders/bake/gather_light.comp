@@ -18,7 +18,7 @@ float sourceWeight(GpuGatherTexel texel, GpuPoint point, GpuRay ray, GpuHit hit,
     return misWeightOfRay(gatherDirectionPdf(point.normal, ray.direction), pdfArea, hit.distance, cosine);
 }
 
-// A ray whose light is that of a path (paths/paths.rgen), or of an emitter, which the processor adds.
+// A ray whose light is that of a path (paths/paths.rgen).
 GpuOpen openRay(uint block, int stratum, GpuRay ray, GpuHit hit)
 {
     GpuOpen open;
@@ -31,7 +31,7 @@ GpuOpen openRay(uint block, int stratum, GpuRay ray, GpuHit hit)
     return open;
 }
 
-// The light of a gather ray: FinalGather::weightHits(). True where it is a path's; then `open` is set.
+// The light of a gather ray, but for what emitters send along it (emitters/hits.comp): FinalGather::weightHits(). True where it is a path's; then `open` is set.
 bool gatherLight(uint i, out GpuOpen open)
 {
     uint block;
@@ -62,8 +62,6 @@ bool gatherLight(uint i, out GpuOpen open)
                        sourceWeight(texel, pointOf(texel, b.number, stratum), ray, hit, patchId);
         }
         open = openRay(block, stratum, ray, hit);
-        if ((surface.patches & kEmissive) != 0u)
-            push.lists.emissive.at[atomicAdd(push.lists.counts.at[kEmissiveCount], 1u)] = open;
     }
     push.lists.gathered.at[i] = radiance * kShadingPi;
     return isOpen;

@@ -12,11 +12,7 @@ void main()
     int stratum;
     bool inside = sampleOf(i, block, stratum);
     if (i >= rayCount()) return;
-    GpuRay ray;
-    ray.origin = vec3(0.0);
-    ray.tMin = 0.0;
-    ray.direction = vec3(0.0, 0.0, 1.0);
-    ray.tMax = -1.0;
+    GpuRay ray = noRay();
     if (inside) {
         GpuBlock b = push.lists.blocks.at[block];
         GpuGatherTexel texel = push.lists.texels.at[b.texel];

@@ -63,11 +63,7 @@ void main()
     int stratum;
     bool inside = sampleOf(i, block, stratum);
     if (i >= rayCount()) return;
-    GpuRay ray;
-    ray.origin = vec3(0.0);
-    ray.tMin = 0.0;
-    ray.direction = vec3(0.0, 0.0, 1.0);
-    ray.tMax = -1.0;
+    GpuRay ray = noRay();
     vec3 irradiance = vec3(0.0);
     if (inside) {
         GpuBlock b = push.lists.blocks.at[block];
@@ -97,9 +93,7 @@ void main()
                                               source.triangle.normal, pdfArea, false, true);
                     if (radiance != vec3(0.0) && next.distance > 0.0) {
                         irradiance = radiance * next.factor;
-                        ray.origin = point.position;
-                        ray.direction = next.direction;
-                        ray.tMax = next.distance * kShortOfSurface;
+                        ray = rayTo(point.position, next);
                         atomicAdd(push.lists.counts.at[kRayCount], 1u);
                     }
                 }

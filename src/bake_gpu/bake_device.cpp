@@ -76,8 +76,8 @@ std::string BakeDevice::identity() const
              bake_gather_sources_comp, bake_gather_sums_comp, bake_nearest_rahit, bake_nearest_rchit, bake_nearest_rgen,
              bake_paths_paths_rgen, bake_transmittance_rahit, bake_transmittance_rgen, bake_validity_rgen})
         hasher.bytes(shader.data(), shader.size_bytes());
-    for (const std::span<const uint32_t> shader : ShadowPipelines::shaders())
-        hasher.bytes(shader.data(), shader.size_bytes());
+    for (const auto& shaders : {EmitterPipelines::shaders(), ShadowPipelines::shaders()})
+        for (const std::span<const uint32_t> shader : shaders) hasher.bytes(shader.data(), shader.size_bytes());
     std::string identity = "gpu-" + name() + "-" + device_.driver() + "-" + hasher.hash().hex().substr(0, 8);
     for (char& c : identity)
         if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.') c = '-';
@@ -96,6 +96,13 @@ const gpu::RayPipeline& BakeDevice::paths()
                                        {bake_transmittance_rmiss, {}, bake_transmittance_rahit}},
                        sizeof(TracePush));
     return *paths_;
+}
+
+const EmitterPipelines& BakeDevice::emitters()
+{
+    const std::lock_guard lock(laterMutex_);
+    if (!emitters_) emitters_.emplace(device_);
+    return *emitters_;
 }
 
 const DenoisePipelines& BakeDevice::denoise()

@@ -2,6 +2,7 @@
 // The Vulkan device of a bake, and the pipelines that trace rays on it.
 
 #include "bake_gpu/denoise_pipelines.h"
+#include "bake_gpu/gather/emitter_pipelines.h"
 #include "bake_gpu/shadows/shadow_pipelines.h"
 #include "gpu/acceleration.h"
 
@@ -42,6 +43,8 @@ public:
     [[nodiscard]] const gpu::ComputePipeline& gatherSums() const { return gatherSums_; }
     /// Continuation paths (shaders/bake/paths/paths.rgen), made when they are first asked for. Throws gpu::Failure.
     const gpu::RayPipeline& paths();
+    /// The same of the gather's emitter samples.
+    const EmitterPipelines& emitters();
     /// The denoiser's shaders, made when they are first asked for. Throws gpu::Failure.
     const DenoisePipelines& denoise();
     /// The same around shadow rays.
@@ -63,6 +66,7 @@ private:
     gpu::ComputePipeline gatherSums_;
     std::mutex laterMutex_; ///< guards what follows
     std::optional<gpu::RayPipeline> paths_;
+    std::optional<EmitterPipelines> emitters_;
     std::optional<DenoisePipelines> denoise_;
     std::optional<ShadowPipelines> shadows_;
 };

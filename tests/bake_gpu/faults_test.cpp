@@ -39,7 +39,7 @@ struct GpuFaults : testing::Test {
 
 TEST_F(GpuFaults, TheProcessorBakesInsteadS6)
 {
-    const Scene scene = room(false, true, true);
+    const Scene scene = room(true, true, true);
     auto device = deviceFailingAt(0);
     if (!device) GTEST_SKIP() << device.error().message;
     const int opened = calls;

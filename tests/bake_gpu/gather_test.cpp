@@ -2,9 +2,8 @@
 
 #include "bake/seeds.h"
 #include "bake/test_room.h"
-#include "bake_gpu/test_device.h"
+#include "bake_gpu/same_light.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace halflight::test::gather_test {
@@ -23,55 +22,15 @@ IntegrationSettings settingsOf(uint32_t seed)
 
 std::vector<IrradianceEstimate> bakeOn(const IntegratorFactory& factory, const Scene& scene, uint32_t seed)
 {
-    Bench bench(scene, MixedLightingMode::Shadowmask, 64, settingsOf(seed), 1, factory);
-    return bench.irradiance();
+    return lightOn(factory, scene, 64, settingsOf(seed));
 }
 
-/// Scenes without emitters take the same samples on both: but for rounding, and rays that hit another triangle by it,
-/// texels are the same.
 TEST_F(GatherS6, TexelsAreTheProcessors)
 {
     for (const bool sky : {true, false}) {
         const Scene scene = room(false, true, sky);
-        const auto cpu = bakeOn(embreeIntegrators(), scene, 1);
-        const auto gpu = bakeOn(gpuIntegrators(device), scene, 1);
-        ASSERT_EQ(cpu.size(), gpu.size());
-        double mean = 0.0;
-        double difference = 0.0;
-        std::size_t other = 0;
-        for (std::size_t i = 0; i < cpu.size(); ++i) {
-            ASSERT_EQ(cpu[i].valid, gpu[i].valid);
-            const double a = double(luminance(cpu[i].irradiance));
-            const double b = double(luminance(gpu[i].irradiance));
-            mean += a / double(cpu.size());
-            difference += (b - a) / double(cpu.size());
-            other += std::abs(a - b) > 1.0e-3 * (a + 1.0e-3) || cpu[i].samples != gpu[i].samples ||
-                     glm::distance(cpu[i].moment, gpu[i].moment) > 2.0e-3f * float(a + 1.0e-3);
-        }
-        EXPECT_GT(mean, 0.1);
-        EXPECT_LT(std::abs(difference), 1.0e-3 * mean) << "sky " << sky;
-        EXPECT_LT(other, cpu.size() / 20) << "sky " << sky;
+        expectSameLight(bakeOn(embreeIntegrators(), scene, 1), bakeOn(gpuIntegrators(device), scene, 1), 1.0e-3f);
     }
-}
-
-/// With a lamp: the processor samples it after the gather, and finishes rays that hit it.
-TEST_F(GatherS6, EmittersShineAsOnTheProcessor)
-{
-    const Scene scene = room(true, false, true);
-    const auto cpu = bakeOn(embreeIntegrators(), scene, 1);
-    const auto gpu = bakeOn(gpuIntegrators(device), scene, 1);
-    ASSERT_EQ(cpu.size(), gpu.size());
-    double mean = 0.0;
-    double difference = 0.0;
-    double variance = 0.0;
-    for (std::size_t i = 0; i < cpu.size(); ++i) {
-        mean += double(luminance(cpu[i].irradiance));
-        difference += double(luminance(gpu[i].irradiance) - luminance(cpu[i].irradiance));
-        variance += double(cpu[i].varianceOfMean + gpu[i].varianceOfMean);
-    }
-    EXPECT_GT(mean, 0.1);
-    EXPECT_LT(std::abs(difference), 4.0 * std::sqrt(variance));
-    EXPECT_LT(std::abs(difference), 0.005 * mean);
 }
 
 /// Sixteen bakes on each, of other seeds: blocks of 64 neighbouring texels have the same mean light, by Student's t.

@@ -184,7 +184,7 @@ TEST(StratifiedPatternS6, FewStrataOfABlockAreSpread)
             std::array<int, kBlock> stratumAt;
             stratumAt.fill(-1);
             for (int stratum = 0; stratum < kBlock; ++stratum) {
-                const auto order = std::size_t(StratifiedPattern::orderOf(stratum, block));
+                const auto order = std::size_t(shading::patternOrder(stratum, block));
                 ASSERT_LT(order, std::size_t(kBlock));
                 EXPECT_EQ(stratumAt[order], -1);
                 stratumAt[order] = stratum;

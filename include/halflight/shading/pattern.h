@@ -54,6 +54,26 @@ HL_FN bool takesSourceSample(int samples, int block, int stratum)
            (samples == kPatternBlock / 4 && diagonal == 0);
 }
 
+// Position of a stratum, 0...15, in an order whose first strata are spread evenly: every pair has one stratum in each
+// half of the block, every four one in each row and column. Over four blocks the first four of each are all strata. The
+// order is that of a (0,2)-sequence (Sobol' 1967, "On the Distribution of Points in a Cube and the Approximate
+// Evaluation of Integrals").
+HL_FN int patternOrder(int stratum, int block)
+{
+    // The sequence's first coordinate is the row and has the low bits of the number; the second is the column.
+    int bit0 = stratum >> 3 & 1;
+    int bit1 = stratum >> 2 & 1;
+    int bit3 = (stratum & 1) ^ bit1;
+    int bit2 = (stratum >> 1 & 1) ^ bit0 ^ bit1 ^ bit3;
+    return ((bit0 | bit1 << 1 | bit2 << 2 | bit3 << 3) - 4 * block) & (kPatternBlock - 1);
+}
+
+// How many of a block's strata take a sample that has a probability; `bits` are random, for what is left over.
+HL_FN int strataOfShare(float probability, uint bits)
+{
+    return min(int(probability * float(kPatternBlock) + unitFloat(bits)), kPatternBlock);
+}
+
 // XOR shuffle of the strata of a texel that samples only some of a block's: each texel samples other parts of the unit
 // square in the same strata. Rows and columns of the pattern remain such.
 HL_FN int strataShuffle(uint texelId)

@@ -46,6 +46,10 @@ HL_FN float skyDimShare(vec3 texel, float limit)
     return bright > limit ? limit / bright : 1.0f;
 }
 
+// How far away samples of the sky are where they are taken as those of emitters: beyond all geometry, which is at most
+// 1e7 m from the origin, and near enough for the square of it.
+HL_CONST float kSkyMeters = 1.0e9f;
+
 // A point of an area that is uniform in solid angle, for u in the unit square.
 struct SkyPoint {
     vec3 direction;

@@ -3,9 +3,7 @@
 #ifndef HALFLIGHT_BAKE_PATH_LIGHTS_GLSL
 #define HALFLIGHT_BAKE_PATH_LIGHTS_GLSL
 
-#include "surface.glsl"
-
-#include "../sky.glsl"
+#include "emitters.glsl"
 #include "rays.glsl"
 
 #include "halflight/shading/brdf_sampling.h"
@@ -117,39 +115,6 @@ PathLightSample sampleSources(PathSurface s, PathLobe lobe, inout PathSampler nu
     return result;
 }
 
-struct PathEmitterSample {
-    vec3 position;
-    vec3 normal;
-    vec3 radiance;
-    bool doubleSided;
-    bool rayVisible;
-    float pdfArea; // 0: no sample
-};
-
-// Emitters::sample().
-PathEmitterSample sampleEmitter(vec3 position, vec3 normal, vec2 u)
-{
-    PathEmitterSample result;
-    result.pdfArea = 0.0;
-    result.radiance = vec3(0.0);
-    ChosenLight chosen = sampleLightsBelow(paths().emitterTree, 0u, position, normal, u.x);
-    if (!(chosen.probability > 0.0)) return result;
-    GpuEmitter e = paths().emitters.at[chosen.item];
-    vec2 on = sampleTriangle(vec2(chosen.u, u.y));
-    result.position = e.origin + on.x * e.edge1 + on.y * e.edge2;
-    result.normal = e.normal;
-    result.radiance = e.radiance;
-    // Emission is scaled by coverage, as for rays that hit the surface by chance.
-    if ((e.flags & kUniform) == 0u) {
-        result.radiance = surfaceAt(e.hitIndex, on).emission;
-        if (e.masked != kNone) result.radiance *= coverageAt(push.scene, push.scene.masked.at[e.masked], on);
-    }
-    result.doubleSided = (e.flags & kDoubleSided) != 0u;
-    result.rayVisible = (e.flags & kRayVisible) != 0u;
-    result.pdfArea = chosen.probability * e.inverseArea;
-    return result;
-}
-
 // DirectLight::emitterIrradiance() and reflectedEmitters().
 PathLightSample sampleEmitters(PathSurface s, PathLobe lobe, float otherIlluminance, inout PathSampler numbers)
 {
@@ -160,7 +125,8 @@ PathLightSample sampleEmitters(PathSurface s, PathLobe lobe, float otherIllumina
     if (!lobe.on && otherIlluminance > 0.0)
         survival = rouletteSurvival(lightImportance(paths().emitterTree.at[0], origin, s.normal), otherIlluminance);
     if (survival < 1.0 && nextNumber(numbers) >= survival) return result;
-    PathEmitterSample e = sampleEmitter(origin, s.normal, nextPair(numbers));
+    vec2 u = nextPair(numbers);
+    PathEmitterSample e = emitterAt(sampleLightsBelow(paths().emitterTree, 0u, origin, s.normal, u.x), u.y);
     NextEventContribution next = nextEventContribution(origin, s.normal, s.geometricNormal, e.position, e.normal,
                                                        e.pdfArea, e.doubleSided, e.rayVisible);
     if (!(next.distance > 0.0)) return result;
@@ -175,32 +141,6 @@ PathLightSample sampleEmitters(PathSurface s, PathLobe lobe, float otherIllumina
     result.origin = origin;
     result.direction = next.direction;
     result.tMax = next.distance * kShortOfSurface;
-    return result;
-}
-
-struct PathSkySample {
-    vec3 direction;
-    vec3 radiance;
-    float pdf;
-};
-
-// SkyLight::sample().
-PathSkySample sampleSky(vec2 u)
-{
-    uint count = paths().all.brightAreas;
-    u.x *= float(count);
-    uint bin = min(uint(u.x), count - 1u);
-    u.x = min(u.x - float(bin), kBelowOne);
-    GpuAliasBin alias = paths().brightBins.at[bin];
-    if (!selectsOwn(alias.share, u.x)) bin += alias.aliasOffset;
-    uint area = paths().brightAreas.at[bin];
-    ivec2 size = push.tables.all.pictureSize;
-    SkyPoint point = skyPointOf(int(area % uint(size.x)), int(area / uint(size.x)), u, push.tables.all.turn, size);
-    PathSkySample result;
-    result.direction = point.direction;
-    result.radiance = brightSkyAt(point.place);
-    point.place.between = vec2(0.5);
-    result.pdf = luminanceOf(brightSkyAt(point.place)) / paths().all.brightIlluminance;
     return result;
 }
 

@@ -107,7 +107,7 @@ PathSurface surfaceAt(uint hitFace, vec2 barycentric)
 // RayScene::epsilonAt() and rayOrigin().
 float epsilonAt(PathSurface s)
 {
-    return rayEpsilon(s.position, push.scene.scale);
+    return rayEpsilon(s.position, push.tables.scene.scale);
 }
 vec3 rayOriginOf(PathSurface s)
 {

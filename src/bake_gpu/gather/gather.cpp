@@ -16,7 +16,7 @@ using namespace shading;
 
 static_assert(sizeof(DeviceGather::Texel) == sizeof(GpuGatherTexel) && sizeof(DeviceGather::Point) == sizeof(GpuPoint));
 static_assert(sizeof(DeviceGather::Block) == sizeof(GpuBlock) && sizeof(DeviceGather::Sums) == sizeof(GpuSums));
-static_assert(sizeof(DeviceGather::EmitterHit) == sizeof(GpuOpen));
+static_assert(sizeof(DeviceGather::Halves) == sizeof(GpuHalves));
 static_assert(sizeof(PatchLayout::Surface) == sizeof(GpuSurface) && sizeof(PatchLayout::Elements) == sizeof(uint32_t));
 static_assert(sizeof(PatchRadiance) == sizeof(GpuPatch) && sizeof(Guide) == sizeof(GpuSourceGuide));
 static_assert(sizeof(Guides::Entry) == sizeof(GpuEntry) && sizeof(LightClusters::Cluster) == sizeof(GpuCluster));
@@ -32,8 +32,8 @@ struct Tables {
 /// Lists in shaders/bake/gather.glsl.
 struct Lists {
     VkDeviceAddress texels, points, blocks, rays, hits, gathered, sourceRays, sources, passed, sums, open, openBefore,
-        emissive, counts;
-    uint32_t blockCount;
+        cuts, cutTotals, shares, emitted, counts;
+    uint32_t blockCount, texelCount;
 };
 struct Push {
     VkDeviceAddress tables, lists;
@@ -61,7 +61,8 @@ std::vector<vec3> normalsOf(const RayTracer& surfaces)
 /// Buffers of one call. The lists that the processor writes and reads are in its memory, and the device reaches them
 /// there: each of their bytes is used once.
 struct GpuGather::Workspace {
-    explicit Workspace(gpu::Device& device)
+    /// `emission`: there are emitters or a bright part of the sky; `cutNodes`: of a texel's cut.
+    Workspace(gpu::Device& device, bool emission, std::size_t cutNodes)
         : texels(device, kMostBlocks * sizeof(Texel), gpu::kAddressed, gpu::MemoryUse::Upload),
           points(device, kMostBlocks * kPatternBlock * sizeof(Point), gpu::kAddressed, gpu::MemoryUse::Upload),
           blocks(device, kMostBlocks * sizeof(Block), gpu::kAddressed, gpu::MemoryUse::Upload),
@@ -75,17 +76,30 @@ struct GpuGather::Workspace {
           sums(device, kMostBlocks * sizeof(Sums), gpu::kAddressed, gpu::MemoryUse::Readback),
           open(device, kMostRays * sizeof(GpuOpen), gpu::kAddressed, gpu::MemoryUse::Device),
           openBefore(device, kMostRays / kGroupSize * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback),
-          emissive(device, kMostRays * sizeof(EmitterHit), gpu::kAddressed, gpu::MemoryUse::Readback),
           counts(device, kCounters * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
-    {}
+    {
+        if (!emission) return;
+        const auto make = [&](std::size_t bytes, gpu::MemoryUse use) {
+            return gpu::Buffer(device, kMostBlocks * bytes, gpu::kAddressed, use);
+        };
+        if (cutNodes > 0) {
+            cuts = make(cutNodes * sizeof(GpuCutNode), gpu::MemoryUse::Device);
+            cutTotals = make(sizeof(float), gpu::MemoryUse::Device);
+        }
+        shares = make(sizeof(GpuEmitterShare), gpu::MemoryUse::Device);
+        emitted = make(sizeof(Halves), gpu::MemoryUse::Readback);
+    }
     gpu::Buffer texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open,
-        openBefore, emissive, counts;
+        openBefore, counts;
+    gpu::Buffer cuts, cutTotals, shares, emitted; ///< empty where they are not needed
 };
 
 GpuGather::~GpuGather() = default;
 
 GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const GatherTables& tables)
-    : device_(device), scene_(scene), pathTables_(device.device(), scene, surfaces, tables), paths_(device.paths())
+    : device_(device), scene_(scene), pathTables_(device.device(), scene, surfaces, tables), paths_(device.paths()),
+      emitters_(tables.paths.light().samplesEmission() ? &device.emitters() : nullptr),
+      anyEmitters_(!tables.paths.light().emitters().empty())
 {
     gpu::Device& on = device.device();
     const auto keep = [&](const auto& list) {
@@ -122,6 +136,8 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.paths = pathTables_.address();
     t.all.seed = tables.seed;
     t.all.sourceSeed = tables.seed ^ kSourceSeed;
+    t.all.emitterSeed = tables.seed ^ kEmitterSeed;
+    t.all.rouletteSeed = tables.seed ^ kRouletteSeed;
     t.all.chartPatches = layout.chartPatches;
     t.all.patchShift = layout.patchShift;
     t.all.memberCount = uint32_t(clusters.members().size());
@@ -133,13 +149,13 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.all.turn = skyLight.turn();
     t.all.limit = skyLight.limit();
     tables_ = bufferOf(on, std::span<const Tables>(&t, 1));
-    workspace_ = std::make_unique<Workspace>(on);
+    const std::size_t cutNodes = std::min(LightTree::Cut::kMaxNodes, tables.paths.light().emitters().all().size());
+    workspace_ = std::make_unique<Workspace>(on, emitters_ != nullptr, cutNodes);
 }
 
 Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
-                         std::span<Sums> sums, std::vector<EmitterHit>& emissive, uint64_t& rays) const
+                         std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const
 {
-    emissive.clear();
     if (blocks.empty()) return {};
     const std::lock_guard turn(mutex_);
     Workspace& w = *workspace_;
@@ -150,31 +166,25 @@ Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> p
     write(w.points, points);
     write(w.blocks, blocks);
     std::memset(w.counts.mapped(), 0, w.counts.size());
-    const Lists lists{w.texels.address(),   w.points.address(),   w.blocks.address(),     w.rays.address(),
-                      w.hits.address(),     w.gathered.address(), w.sourceRays.address(), w.sources.address(),
-                      w.passed.address(),   w.sums.address(),     w.open.address(),       w.openBefore.address(),
-                      w.emissive.address(), w.counts.address(),   uint32_t(blocks.size())};
+    const Lists lists{w.texels.address(), w.points.address(),      w.blocks.address(),     w.rays.address(),
+                      w.hits.address(),   w.gathered.address(),    w.sourceRays.address(), w.sources.address(),
+                      w.passed.address(), w.sums.address(),        w.open.address(),       w.openBefore.address(),
+                      w.cuts.address(),   w.cutTotals.address(),   w.shares.address(),     w.emitted.address(),
+                      w.counts.address(), uint32_t(blocks.size()), uint32_t(texels.size())};
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
     const bool anySources =
         std::any_of(texels.begin(), texels.end(), [](const Texel& texel) { return texel.sources > 0; });
-    const auto counted = [&](uint32_t counter) {
-        uint32_t count = 0;
-        std::memcpy(&count, w.counts.mapped() + counter * sizeof(count), sizeof(count));
-        return count;
-    };
     try {
         traceRays(blocks.size(), anySources);
-        finishRays(blocks.size(), placesOfOpenRays(blocks.size()));
+        finishRays(texels.size(), blocks.size(), placesOfOpenRays(blocks.size()));
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }
-    std::memcpy(sums.data(), w.sums.mapped(), sums.size_bytes());
-    emissive.resize(counted(kEmissiveCount));
-    std::memcpy(emissive.data(), w.emissive.mapped(), emissive.size() * sizeof(EmitterHit));
-    std::sort(emissive.begin(), emissive.end(), [](const EmitterHit& a, const EmitterHit& b) {
-        return a.block != b.block ? a.block < b.block : a.stratum < b.stratum;
-    });
-    rays += blocks.size() * kPatternBlock + counted(kRayCount);
+    std::memcpy(gathered.data(), w.sums.mapped(), gathered.size_bytes());
+    if (!emitted.empty()) std::memcpy(emitted.data(), w.emitted.mapped(), emitted.size_bytes());
+    uint32_t others = 0;
+    std::memcpy(&others, w.counts.mapped() + kRayCount * sizeof(others), sizeof(others));
+    rays += blocks.size() * kPatternBlock + others;
     return {};
 }
 
@@ -210,17 +220,36 @@ void GpuGather::traceRays(std::size_t blocks, bool anySources) const
     });
 }
 
-/// Traces the paths of `open` rays, and adds all light by block.
-void GpuGather::finishRays(std::size_t blocks, uint32_t open) const
+/// Traces the paths of `open` rays, and adds all light by block. Then it samples emitters and the sky.
+void GpuGather::finishRays(std::size_t texels, std::size_t blocks, uint32_t open) const
 {
     const Workspace& w = *workspace_;
     const Push push{tables_.address(), w.lists.address()};
+    const std::span<const std::byte> bytes = gpu::bytesOf(push);
     const PathPush pathPush{scene_.address(), tables_.address(), w.lists.address()};
     device_.device().execute([&](VkCommandBuffer commands) {
         paths_.run(commands, gpu::bytesOf(pathPush), open);
-        device_.gatherSums().run(commands, gpu::bytesOf(push), blocks, kGroupSize);
+        if (anyEmitters_) {
+            emitters_->cuts.run(commands, bytes, texels, kGroupSize);
+            emitters_->hits.run(commands, bytes, raysOfChunks(uint32_t(blocks), kPatternBlock), kGroupSize);
+        }
+        device_.gatherSums().run(commands, bytes, blocks, kGroupSize);
+        if (emitters_ != nullptr) sampleEmitters(commands, texels, blocks);
         gpu::fullBarrier(device_.device(), commands);
     });
+}
+
+/// How many samples a block takes follows from the light that its texel has gathered.
+void GpuGather::sampleEmitters(VkCommandBuffer commands, std::size_t texels, std::size_t blocks) const
+{
+    const Workspace& w = *workspace_;
+    const Push push{tables_.address(), w.lists.address()};
+    const std::span<const std::byte> bytes = gpu::bytesOf(push);
+    const uint32_t count = raysOfChunks(uint32_t(blocks), kPatternBlock);
+    emitters_->shares.run(commands, bytes, texels, kGroupSize);
+    emitters_->rays.run(commands, bytes, count, kGroupSize);
+    device_.transmittance(commands, {scene_.address(), w.sourceRays.address(), w.passed.address()}, count);
+    emitters_->sums.run(commands, bytes, blocks, kGroupSize);
 }
 
 } // namespace halflight

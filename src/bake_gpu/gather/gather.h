@@ -14,18 +14,21 @@ public:
     ~GpuGather() override;
 
     Status gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
-                  std::span<Sums> sums, std::vector<EmitterHit>& emissive, uint64_t& rays) const override;
+                  std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const override;
 
 private:
     struct Workspace;
     uint32_t placesOfOpenRays(std::size_t blocks) const;
     void traceRays(std::size_t blocks, bool anySources) const;
-    void finishRays(std::size_t blocks, uint32_t open) const;
+    void finishRays(std::size_t texels, std::size_t blocks, uint32_t open) const;
+    void sampleEmitters(VkCommandBuffer commands, std::size_t texels, std::size_t blocks) const;
 
     BakeDevice& device_;
     const GpuScene& scene_;
     PathTables pathTables_;
     const gpu::RayPipeline& paths_;
+    const EmitterPipelines* emitters_; ///< null: the scene has neither emitters nor a bright part of the sky
+    bool anyEmitters_;
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to
     gpu::Buffer tables_;
     mutable std::mutex mutex_; ///< the workspace takes turns

@@ -14,6 +14,10 @@ struct GpuGatherTexel {
     uint pointCount;
     uint guide; // kNone: none
     uint sources;
+    uint firstBlock;
+    uint blockCount;
+    vec3 gathered; // sum over the half-blocks before these blocks
+    uint halfBlocks;
 };
 struct GpuPoint {
     vec3 position;
@@ -24,15 +28,19 @@ struct GpuBlock {
     uint texel;
     uint number;
 };
-// [DeviceGather::Half, Sums, EmitterHit]
+// [DeviceGather::Half, Halves, Sums]
 struct GpuHalf {
     vec3 irradiance;
     vec3 moment;
+};
+struct GpuHalves {
+    GpuHalf at[2];
 };
 struct GpuSums {
     GpuHalf halves[2];
     float inverseSquares;
 };
+// A ray that goes on as a path.
 struct GpuOpen {
     uint block;
     uint stratum;
@@ -42,9 +50,19 @@ struct GpuOpen {
     vec3 direction;
 };
 // Counters of a call.
-HL_CONST uint kEmissiveCount = 0u;
-HL_CONST uint kRayCount = 1u; // of sources and paths
-HL_CONST uint kCounters = 2u;
+HL_CONST uint kRayCount = 0u; // of sources, paths and emitters
+HL_CONST uint kCounters = 1u;
+
+// A node of a texel's cut through the tree of emitters (LightTree::Cut).
+struct GpuCutNode {
+    uint node;
+    float probability;
+};
+// How a block samples emitters and the sky.
+struct GpuEmitterShare {
+    float survival; // of the roulette: share of the strata
+    float sky;      // of the samples, the sky's share
+};
 
 // [PatchLayout::Surface, PatchRadiance]
 struct GpuSurface {
@@ -108,6 +126,8 @@ HL_CONST uint kSkyPicture = 2u; // a picture, not a gradient
 struct GpuGatherConstants {
     uint seed;
     uint sourceSeed;
+    uint emitterSeed;
+    uint rouletteSeed;
     uint chartPatches; // PatchLayout::chartPatches
     int patchShift;
     uint memberCount;

@@ -1,4 +1,4 @@
-// Structures of the paths of open gather rays that C++ and shaders share.
+// Structures of the paths of open gather rays, and of emitters, that C++ and shaders share.
 #ifndef HALFLIGHT_BAKE_GPU_PATH_LAYOUT_H
 #define HALFLIGHT_BAKE_GPU_PATH_LAYOUT_H
 
@@ -64,6 +64,7 @@ struct GpuPathConstants {
     uint alwaysCount;    // lights that are considered at each point
     uint lightNodes;     // of the tree over the others
     uint emitterNodes;
+    uint cutNodes;    // of a texel's cut through the tree of emitters
     uint brightAreas; // of the sky's picture
     float brightIlluminance;
     uint coloredVertices; // there are vertex colours

@@ -1,5 +1,7 @@
 #include "transport/lightmap/batch_gather.h"
 
+#include "transport/lightmap/next_event.h"
+
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -13,14 +15,15 @@ struct BatchGather::Batch {
     std::vector<DeviceGather::Texel> texels; ///< by request
     std::vector<DeviceGather::Point> points; ///< 16 for each texel
     std::vector<DeviceGather::Block> blocks; ///< texel by texel
-    std::vector<std::size_t> firstOfTexel;   ///< index of its first block; then their number
 };
 
 Status BatchGather::add(std::span<const Request> requests, int firstBlock, const Progress& progress,
                         std::atomic<uint64_t>& rays) const
 {
-    std::vector<DeviceGather::Sums> sums;
-    std::vector<DeviceGather::EmitterHit> emissive;
+    const bool emission = paths_.light().samplesEmission();
+    Batch batch;
+    std::vector<DeviceGather::Sums> gathered;
+    std::vector<DeviceGather::Halves> emitted;
     for (std::size_t begin = 0; begin < requests.size();) {
         if (progress.cancelled()) return cancelledError();
         std::size_t end = begin;
@@ -28,13 +31,23 @@ Status BatchGather::add(std::span<const Request> requests, int firstBlock, const
             blocks += std::size_t(requests[end].blocks);
             if (blocks > DeviceGather::kMostBlocks && end > begin) break;
         }
-        Batch batch{requests.subspan(begin, end - begin), firstBlock, {}, {}, {}, {}};
+        batch.requests = requests.subspan(begin, end - begin);
+        batch.firstBlock = firstBlock;
         prepare(batch);
-        sums.resize(batch.blocks.size());
+        gathered.resize(batch.blocks.size());
+        emitted.resize(emission ? batch.blocks.size() : 0);
         uint64_t traced = 0;
-        if (Status s = device_.gather(batch.texels, batch.points, batch.blocks, sums, emissive, traced); !s) return s;
+        if (Status s = device_.gather(batch.texels, batch.points, batch.blocks, gathered, emitted, traced); !s)
+            return s;
         rays += traced;
-        finish(batch, sums, emissive, rays);
+        forEachIndex(batch.texels.size(), [&](std::size_t i) {
+            TexelEstimate& estimate = *batch.requests[i].estimate;
+            const std::size_t first = batch.texels[i].firstBlock;
+            for (std::size_t b = first; b < first + batch.texels[i].blockCount; ++b) {
+                BlockSums::end(gathered[b], estimate, estimate.gathered);
+                if (emission) BlockSums::end({emitted[b]}, estimate, estimate.emitted);
+            }
+        });
         progress("lightmap", double(end) / double(requests.size()));
         begin = end;
     }
@@ -44,9 +57,8 @@ Status BatchGather::add(std::span<const Request> requests, int firstBlock, const
 void BatchGather::prepare(Batch& batch) const
 {
     const std::size_t count = batch.requests.size();
-    batch.texels.resize(count);
+    batch.texels.assign(count, {});
     batch.points.resize(count * kMaxTexelPoints);
-    batch.firstOfTexel.assign(count + 1, 0);
     parallelFor(count, 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const uint32_t texel = batch.requests[i].texel;
@@ -62,50 +74,18 @@ void BatchGather::prepare(Batch& batch) const
             }
             to.guide = guides_.guideNumberAt(cache_.layout(), group.point(0, 0));
             if (to.guide != ~0u) to.sources = uint32_t(sourceSamplesOf(guides_.guides()[to.guide]));
+            to.gathered = batch.requests[i].estimate->gathered.sum;
+            to.halfBlocks = batch.requests[i].estimate->gathered.count;
         }
     });
+    batch.blocks.clear();
     for (std::size_t i = 0; i < count; ++i) {
-        batch.firstOfTexel[i] = batch.blocks.size();
         if (batch.texels[i].pointCount == 0) continue;
+        batch.texels[i].firstBlock = uint32_t(batch.blocks.size());
+        batch.texels[i].blockCount = uint32_t(batch.requests[i].blocks);
         for (int b = 0; b < batch.requests[i].blocks; ++b)
             batch.blocks.push_back({uint32_t(i), uint32_t(batch.firstBlock + b)});
     }
-    batch.firstOfTexel[count] = batch.blocks.size();
-}
-
-void BatchGather::finish(const Batch& batch, std::span<const DeviceGather::Sums> sums,
-                         std::span<const DeviceGather::EmitterHit> emissive, std::atomic<uint64_t>& rays) const
-{
-    const auto emissiveFrom = [&](std::size_t block) {
-        return emissive.begin() +
-               (std::lower_bound(emissive.begin(), emissive.end(), block,
-                                 [](const DeviceGather::EmitterHit& hit, std::size_t b) { return hit.block < b; }) -
-                emissive.begin());
-    };
-    parallelFor(batch.requests.size(), kLanes, [&](std::size_t begin, std::size_t end) {
-        FinalGather gather = makeGather();
-        uint64_t traced = 0;
-        for (std::size_t i = begin; i < end; i += kLanes) {
-            std::array<uint32_t, kLanes> texels{};
-            std::array<FinalGather::TracedBlocks, kLanes> blocks;
-            const std::size_t lanes = std::min(end - i, std::size_t(kLanes));
-            for (std::size_t k = 0; k < lanes; ++k) {
-                const std::size_t first = batch.firstOfTexel[i + k];
-                const std::size_t last = batch.firstOfTexel[i + k + 1];
-                texels[k] = batch.requests[i + k].texel;
-                blocks[k] = {batch.firstBlock,
-                             first,
-                             sums.subspan(first, last - first),
-                             {emissiveFrom(first), emissiveFrom(last)},
-                             std::span(batch.points).subspan(batch.texels[i + k].firstPoint, kMaxTexelPoints),
-                             int(batch.texels[i + k].pointCount),
-                             batch.texels[i + k].id,
-                             batch.requests[i + k].estimate};
-            }
-            gather.finish(map_, std::span<const uint32_t>(texels.data(), lanes), blocks, traced);
-        }
-        rays += traced;
-    });
 }
 
 /// Kernels without a device: here, because kernels know nothing of lightmaps.

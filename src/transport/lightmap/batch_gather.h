@@ -1,8 +1,8 @@
 #pragma once
-// Feeds a DeviceGather with texels, and finishes what it leaves open.
+// Feeds a DeviceGather with texels.
 
+#include "transport/lightmap/block_sums.h"
 #include "transport/lightmap/device_gather.h"
-#include "transport/lightmap/final_gather.h"
 
 #include <atomic>
 #include <functional>
@@ -11,11 +11,9 @@ namespace halflight {
 
 class BatchGather {
 public:
-    BatchGather(const DeviceGather& device, const PathTracer& paths, const StratifiedPattern& pattern,
-                const RadianceCache& cache, const Guides& guides, const IntegrationSettings& settings,
+    BatchGather(const DeviceGather& device, const PathTracer& paths, const RadianceCache& cache, const Guides& guides,
                 const TexelMap& map)
-        : device_(device), paths_(paths), pattern_(pattern), cache_(cache), guides_(guides), settings_(settings),
-          map_(map)
+        : device_(device), paths_(paths), cache_(cache), guides_(guides), map_(map)
     {}
 
     /// Adds blocks `firstBlock` … `firstBlock` + blocks - 1 to the estimate of a texel.
@@ -31,16 +29,11 @@ public:
 private:
     struct Batch;
     void prepare(Batch& batch) const;
-    void finish(const Batch& batch, std::span<const DeviceGather::Sums> sums,
-                std::span<const DeviceGather::EmitterHit> emissive, std::atomic<uint64_t>& rays) const;
-    [[nodiscard]] FinalGather makeGather() const { return {paths_, pattern_, &cache_, &guides_, settings_}; }
 
     const DeviceGather& device_;
     const PathTracer& paths_;
-    const StratifiedPattern& pattern_;
     const RadianceCache& cache_;
     const Guides& guides_;
-    const IntegrationSettings& settings_;
     const TexelMap& map_;
 };
 

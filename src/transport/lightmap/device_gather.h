@@ -7,7 +7,6 @@
 
 #include <array>
 #include <span>
-#include <vector>
 
 namespace halflight {
 
@@ -21,8 +20,8 @@ struct GatherTables {
     int bounces = kAllBounces;
 };
 
-/// Traces gather rays with their continuation paths, and rays to secondary sources, as FinalGather does. It leaves
-/// emitters to the processor: samples of them, and what they send along rays that hit them.
+/// Traces gather rays with their continuation paths, and rays to secondary sources, emitters and the sky's bright part,
+/// as FinalGather does.
 class DeviceGather {
 public:
     virtual ~DeviceGather() = default;
@@ -38,8 +37,12 @@ public:
         uint32_t pointCount = 0; ///< 1 … 16
         uint32_t guide = ~0u;    ///< index into Guides::guides(); ~0 = none
         uint32_t sources = 0;    ///< samples of secondary sources of a block
+        uint32_t firstBlock = 0; ///< index into the list of blocks
+        uint32_t blockCount = 0;
+        vec3 gathered{0.0f};     ///< sum of what it has gathered before: TexelEstimate::gathered
+        uint32_t halfBlocks = 0; ///< terms of that sum
     };
-    /// A block of 16 samples.
+    /// A block of 16 samples. The blocks of a texel follow one another.
     struct Block {
         uint32_t texel = 0; ///< index into a list of texels
         uint32_t number = 0;
@@ -49,26 +52,18 @@ public:
         vec3 irradiance{0.0f};
         vec3 moment{0.0f};
     };
+    using Halves = std::array<Half, 2>;
     struct Sums {
-        std::array<Half, 2> halves;
+        Halves halves;
         float inverseSquares = 0.0f;
     };
-    /// A ray that hits an emitter. What the surface reflects is in the sums, what it emits is not.
-    struct EmitterHit {
-        uint32_t block = 0; ///< index into the list of blocks
-        uint32_t stratum = 0;
-        FaceId face;
-        vec2 barycentric{0.0f};
-        float distance = 0.0f;
-        vec3 direction{0.0f};
-    };
-    static_assert(sizeof(EmitterHit) == 36);
 
     /// Most blocks of one call.
     static constexpr std::size_t kMostBlocks = 65536;
-    /// `emissive` gets the rays that hit emitters in the order of blocks and strata. Any thread may call it.
+    /// By block, `gathered` gets what gather rays and samples of secondary sources bring, `emitted` those of emitters
+    /// and the sky. It is empty where the scene has neither (SceneLight::samplesEmission()). Any thread may call it.
     virtual Status gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
-                          std::span<Sums> sums, std::vector<EmitterHit>& emissive, uint64_t& rays) const = 0;
+                          std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const = 0;
 };
 
 } // namespace halflight

@@ -25,18 +25,6 @@ void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, 
     }
 }
 
-void FinalGather::addEmitters(const GatherGroup& group, int firstBlock, const Estimates& estimates, uint64_t& rays)
-{
-    int blocks = 0;
-    for (int lane = 0; lane < group.lanes(); ++lane)
-        blocks = std::max(blocks, int(estimates.texels[std::size_t(lane)].blocks()));
-    next_.prepareEmitters(group);
-    for (int b = firstBlock; b < blocks; ++b) {
-        block_.bundle.place(group, b, kAllStrata);
-        sampleEmitters(group, b, estimates, rays);
-    }
-}
-
 void FinalGather::sampleEmitters(const GatherGroup& group, int number, const Estimates& estimates, uint64_t& rays)
 {
     next_.sampleEmitters(group, number, block_, estimates.texels, estimates.components, rays);
@@ -188,49 +176,6 @@ void FinalGather::addComponents(const GatherGroup& group)
                 block_.components.add(s, l, int(c), scale * (weights_[sample] * components[c].along(direction)),
                                       direction);
         }
-    }
-}
-
-void FinalGather::finish(const TexelMap& map, std::span<const uint32_t> texels, std::span<const TracedBlocks> blocks,
-                         uint64_t& rays)
-{
-    if (!paths_.light().samplesEmission()) {
-        for (std::size_t lane = 0; lane < texels.size(); ++lane) finish(blocks[lane], nullptr, lane);
-        return;
-    }
-    const GatherGroup group(paths_, map, texels);
-    next_.prepareEmitters(group);
-    std::array<TexelEstimate, kLanes> estimates;
-    for (std::size_t lane = 0; lane < texels.size(); ++lane) {
-        finish(blocks[lane], &next_.cut(), lane);
-        estimates[lane] = *blocks[lane].estimate;
-    }
-    addEmitters(group, blocks[0].firstBlock, {estimates, {}}, rays);
-    for (std::size_t lane = 0; lane < texels.size(); ++lane) *blocks[lane].estimate = estimates[lane];
-}
-
-void FinalGather::finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane) const
-{
-    if (blocks.pointCount == 0) return;
-    std::size_t next = 0; // of the hits
-    for (std::size_t b = 0; b < blocks.sums.size(); ++b) {
-        DeviceGather::Sums sums = blocks.sums[b];
-        const int number = blocks.firstBlock + int(b);
-        for (; next < blocks.emissive.size() && blocks.emissive[next].block == blocks.number + b; ++next) {
-            const DeviceGather::EmitterHit& hit = blocks.emissive[next];
-            const int stratum = int(hit.stratum);
-            const DeviceGather::Point& from =
-                blocks.points[std::size_t(shading::gatherPointOf(blocks.id, blocks.pointCount, number, stratum))];
-            const vec3 irradiance = kPi * emission({{from.position, from.normal, cut, lane},
-                                                    hit.direction,
-                                                    {hit.face, hit.barycentric, hit.distance, vec3(1.0f)},
-                                                    blocks.id,
-                                                    uint32_t(number * StratifiedPattern::kBlock + stratum)});
-            DeviceGather::Half& half = sums.halves[shading::patternHalf(hit.stratum)];
-            half.irradiance += irradiance;
-            half.moment += luminance(irradiance) * hit.direction;
-        }
-        BlockSums::end(sums, *blocks.estimate, blocks.estimate->gathered);
     }
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 // Final gather: the irradiance of texels from one ray per sample, which ends in the radiance cache.
 
-#include "transport/lightmap/device_gather.h"
 #include "transport/lightmap/next_event.h"
 
 namespace halflight {
@@ -22,24 +21,6 @@ public:
     };
     /// Adds the given blocks of 16 samples to the group's texels.
     void add(const GatherGroup& group, int firstBlock, int blockCount, const Estimates& estimates, uint64_t& rays);
-    /// Adds emitter samples to texels with gathered light: as many blocks as that has, from a first one on.
-    void addEmitters(const GatherGroup& group, int firstBlock, const Estimates& estimates, uint64_t& rays);
-
-    /// Blocks of a texel that a device has traced.
-    struct TracedBlocks {
-        int firstBlock = 0;
-        std::size_t number = 0; ///< of the first one in the device's list
-        std::span<const DeviceGather::Sums> sums;
-        std::span<const DeviceGather::EmitterHit> emissive;
-        std::span<const DeviceGather::Point> points;
-        int pointCount = 0; ///< 0 = the texel is not traced
-        uint32_t id = 0;    ///< texelId()
-        TexelEstimate* estimate = nullptr;
-    };
-    /// Adds what rays receive of emitters, and then the blocks and their emitter samples to the estimates of up to
-    /// eight texels.
-    void finish(const TexelMap& map, std::span<const uint32_t> texels, std::span<const TracedBlocks> blocks,
-                uint64_t& rays);
 
 private:
     using Radiances = std::array<Vec3Lanes, StratifiedPattern::kBlock>;
@@ -61,7 +42,6 @@ private:
     [[nodiscard]] RayFrom rayOf(const GatherGroup& group, int lane, int number, int stratum) const;
     [[nodiscard]] vec3 emission(const RayFrom& ray) const;
     [[nodiscard]] vec3 continuation(const RayFrom& ray, uint64_t& rays);
-    void finish(const TracedBlocks& blocks, const LightTree::Cut* cut, std::size_t lane) const;
 
     const PathTracer& paths_;
     const StratifiedPattern& pattern_;

@@ -2,6 +2,7 @@
 // Irradiance of some texels of a map whose radiance cache is built.
 
 #include "transport/lightmap/batch_gather.h"
+#include "transport/lightmap/final_gather.h"
 #include "transport/lightmap/sample_plan.h"
 
 #include <atomic>

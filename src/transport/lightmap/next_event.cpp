@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace halflight {
-namespace {
-
-constexpr uint32_t kEmitterSeed = 0x5eed0006u;
-constexpr uint32_t kRouletteSeed = 0x5eed0007u;
-
-} // namespace
 
 int sourceSamplesOf(const Guide& guide)
 {
@@ -64,12 +58,11 @@ float NextEvent::misWeightOfHit(const RayBundle& bundle, int stratum, int lane, 
     return misWeightOfRay(gatherPdf(receiverNormal, direction), pdfArea, hit.distance, cosine);
 }
 
-/// Makes the samples of the lanes in `sky` points of the sky. Their distance is beyond all geometry, which is at most
-/// 1e7 m from the origin, and small enough for the square of it.
+/// Makes the samples of the lanes in `sky` points of the sky.
 void NextEvent::setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
                        const Vec2Lanes& u, EmitterLanes& lanes) const
 {
-    constexpr float kSkyMeters = 1.0e9f;
+    using shading::kSkyMeters;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         if (!sky[lane]) continue;
         const SkyLight::Sample s = paths_.light().sky().sample(vec2(u.x[lane], u.y[lane]));
@@ -180,7 +173,7 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
         if (skyIlluminance > 0.0f)
             skyShare[lane] = paths_.light().emitters().empty() ? 1.0f : skyIlluminance / expected;
         const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
-        sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);
+        sampled[lane] = shading::strataOfShare(survival, roulette);
         if (sampled[lane] < kBlock) shuffle[lane] = shading::strataShuffle(group.id(i));
         points[lane] = pattern_.block(hashCombine(settings_.seed ^ kEmitterSeed, group.id(i)), number);
     }
@@ -191,7 +184,7 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
             LightTree::Cut::Lanes<bool> wanted;
             LightTree::Cut::Lanes<bool> sky{};
             Vec2Lanes u{};
-            const int order = StratifiedPattern::orderOf(int(stratum), number);
+            const int order = shading::patternOrder(int(stratum), number);
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 positions.set(lane, block.bundle.origin(stratum, int(lane)));
                 wanted[lane] = order < sampled[lane];
@@ -199,11 +192,9 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
                 if (!wanted[lane]) continue;
                 vec2 at = points[lane].unit(int(stratum) ^ shuffle[lane]);
                 // Either the sky or an emitter; the number that chose is used again.
-                sky[lane] = at.x < skyShare[lane];
+                sky[lane] = shading::selectsOwn(skyShare[lane], at.x);
                 wanted[lane] = !sky[lane];
-                const float probability = sky[lane] ? skyShare[lane] : 1.0f - skyShare[lane];
-                at.x = (sky[lane] ? at.x : at.x - skyShare[lane]) / probability;
-                lanes.weight[lane] /= probability;
+                lanes.weight[lane] /= sky[lane] ? skyShare[lane] : 1.0f - skyShare[lane];
                 u.set(lane, at);
             }
             lanes.pdfArea.fill(0.0f);

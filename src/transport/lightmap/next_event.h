@@ -9,7 +9,9 @@
 
 namespace halflight {
 
-/// Of the samples of secondary sources, combined with the bake's seed.
+/// Of samples, combined with the bake's seed: of emitters and the sky, of how many a block has, of secondary sources.
+inline constexpr uint32_t kEmitterSeed = 0x5eed0006u;
+inline constexpr uint32_t kRouletteSeed = 0x5eed0007u;
 inline constexpr uint32_t kSourceSeed = 0x5eed0008u;
 
 /// Samples of a guide's sources in a block: in proportion to the standard deviation that the rays would have due to
@@ -41,8 +43,6 @@ public:
     [[nodiscard]] bool samplesSources() const;
     [[nodiscard]] bool samplesSources(std::size_t lane) const { return sourceSamples_[lane] > 0; }
 
-    /// Of the group that prepareEmitters() opened the tree for.
-    [[nodiscard]] const LightTree::Cut& cut() const { return cut_; }
     [[nodiscard]] bool isSource(PatchId patch) const { return guides_->clusters().contains(patch); }
 
     /// The receiver of a gather ray, for the MIS weight of emitters that it hits.

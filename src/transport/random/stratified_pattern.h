@@ -81,20 +81,6 @@ public:
         return {r.x * a.x, r.x * a.y, r.y};
     }
 
-    /// Position of a stratum, 0 … kBlock - 1, in an order whose first strata are spread evenly: every pair has one
-    /// stratum in each half of the block (BlockSums), every four one in each row and column. Over four blocks the first
-    /// four of each are all strata. The order is that of a (0,2)-sequence (Sobol' 1967, "On the Distribution of Points
-    /// in a Cube and the Approximate Evaluation of Integrals").
-    static int orderOf(int stratum, int block)
-    {
-        // The sequence's first coordinate is the row and has the low bits of the number; the second is the column.
-        const int bit0 = stratum >> 3 & 1;
-        const int bit1 = stratum >> 2 & 1;
-        const int bit3 = (stratum & 1) ^ bit1;
-        const int bit2 = (stratum >> 1 & 1) ^ bit0 ^ bit1 ^ bit3;
-        return ((bit0 | bit1 << 1 | bit2 << 2 | bit3 << 3) - 4 * block) & (kBlock - 1);
-    }
-
     /// Point `number` of a texel in the unit disc: an Owen-scrambled (0,2)-sequence of squared radius and angle. With
     /// texelPoints() as origins, this mapping leaves less noise in penumbrae than one that preserves the neighbourhoods
     /// of the square.

@@ -8,9 +8,6 @@ namespace {
 
 using shading::lightImportance;
 
-/// Share of a cut's samples that its nodes take evenly: the probabilities are of one point and used at others near it.
-constexpr float kEvenShare = 0.01f;
-
 } // namespace
 
 LightTree::Weights LightTree::importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
@@ -131,11 +128,9 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         float& total = cut.total[lane];
         for (std::size_t i = 0; i < cut.count; ++i) total += weight[i][lane];
-        const bool usable = total > 0.0f && total < kInfinity;
-        const float share = (usable ? kEvenShare : 1.0f) / float(cut.count);
         float below = 0.0f;
         for (std::size_t i = 0; i < cut.count; ++i) {
-            cut.probability[i][lane] = share + (usable ? (1.0f - kEvenShare) * weight[i][lane] / total : 0.0f);
+            cut.probability[i][lane] = shading::cutProbability(weight[i][lane], total, int(cut.count));
             cut.below[i][lane] = below;
             below += cut.probability[i][lane];
         }

@@ -64,7 +64,7 @@ public:
     /// Cuts through the tree of eight points, by lane: every item is below exactly one node of a cut. A texel's samples
     /// choose among the nodes of one cut (the paper's tree splitting, once per texel).
     struct Cut {
-        static constexpr std::size_t kMaxNodes = 2 * StratifiedPattern::kBlock;
+        static constexpr std::size_t kMaxNodes = shading::kMostCutNodes;
         template<typename T> using Lanes = std::array<T, kLanes>;
         std::size_t count = 0;
         Lanes<float> total{}; ///< as total()

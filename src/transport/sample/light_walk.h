@@ -11,6 +11,18 @@ HL_NAMESPACE_BEGIN
 
 HL_CONST uint kNoLight = 0xffffffffu;
 HL_CONST float kLargestFloat = 3.402823466e38f;
+// Nodes of a cut through a tree: two for each sample of a block.
+HL_CONST int kMostCutNodes = 32;
+// Share of a cut's samples that its nodes take evenly: the probabilities are of one point and used at others near it.
+HL_CONST float kEvenCutShare = 0.01f;
+
+// Probability of one of a cut's `count` nodes, of whose importances `total` is the sum.
+HL_FN float cutProbability(float importance, float total, int count)
+{
+    bool usable = total > 0.0f && total <= kLargestFloat;
+    float share = (usable ? kEvenCutShare : 1.0f) / float(count);
+    return share + (usable ? (1.0f - kEvenCutShare) * importance / total : 0.0f);
+}
 
 // Nodes that a walk chooses among: two levels per step, as the bounds of four nodes tell more than those of two. Of a
 // child that is a leaf, the leaf itself.
