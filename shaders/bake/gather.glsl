@@ -14,6 +14,7 @@
 #include "halflight/shading/patches.h"
 #include "halflight/shading/pattern.h"
 
+layout(buffer_reference, scalar) buffer Requests { GpuGatherRequest at[]; };
 layout(buffer_reference, scalar) buffer Texels { GpuGatherTexel at[]; };
 layout(buffer_reference, scalar) buffer Points { GpuPoint at[]; };
 layout(buffer_reference, scalar) buffer Blocks { GpuBlock at[]; };
@@ -42,6 +43,8 @@ layout(buffer_reference, scalar) buffer Tables
     Vectors normals; // by hit index
     Words elements;
     Patches patches;
+    Words guideOfPatch;
+    Words sourcesOfGuide; // samples of a block
     Guides guides;
     Entries entries;
     Floats cumulative;
@@ -58,8 +61,11 @@ layout(buffer_reference, scalar) buffer Tables
 // GpuGather::Lists: what one call works on.
 layout(buffer_reference, scalar) buffer Lists
 {
+    uvec2 mapTexels;    // texels.glsl; by request, as the next three
+    uvec2 fragments;
+    Requests requests;
     Texels texels;
-    Points points;
+    Points points;      // 16 for each texel
     Blocks blocks;
     Rays rays;
     Hits hits;
@@ -76,7 +82,7 @@ layout(buffer_reference, scalar) buffer Lists
     HalvesList emitted; // by block, of emitters and the sky
     Words counts;       // k…Count
     uint blockCount;
-    uint texelCount;
+    uint texelCount;    // and of requests
 };
 
 // HALFLIGHT_TRACES: the shader is of a pipeline that traces rays. All of its shaders have the scene first.

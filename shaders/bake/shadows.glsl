@@ -117,7 +117,8 @@ ShadowTarget shadowTarget(uint item, uint number)
         batch = int(push.tables.firstBatches.at[hashPcg(texel.id) % push.tables.firstBatchCount] + i.halfBatch / 2u);
     uint ray = i.halfBatch * kShadowHalf + number;
     ShadowTarget target;
-    target.point = texelPoint(map, texel, batch, mask, int(ray));
+    int pointCount;
+    target.point = texelPoint(map, texel, batch, mask, int(ray), pointCount);
     target.disc = discPoint(hashCombine(source.seed, texel.id), ray);
     target.weight = 0.0;
     vec3 position = target.point.position;

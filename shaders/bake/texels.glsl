@@ -146,7 +146,7 @@ TexelPoint pointOfCandidate(TexelData map, TexelCandidates c, int number)
 }
 
 // Point `number`, modulo their number, of those points of a batch that `mask` keeps; texelPoints() and keepPoints().
-TexelPoint texelPoint(TexelData map, GpuMapTexel texel, int batch, uint mask, int number)
+TexelPoint texelPoint(TexelData map, GpuMapTexel texel, int batch, uint mask, int number, out int pointCount)
 {
     TexelCandidates c = candidatesOf(map, texel);
     int first = batch * c.rounds * kTexelCandidates;
@@ -158,6 +158,7 @@ TexelPoint texelPoint(TexelData map, GpuMapTexel texel, int batch, uint mask, in
         count += bitCount(found);
     }
     count = min(count, kTexelCandidates);
+    pointCount = 1;
     if (count == 0) {
         // A sliver between all candidates: the centroid of the largest fragment.
         GpuFragment fragment = map.fragments.at[texel.firstFragment];
@@ -165,7 +166,8 @@ TexelPoint texelPoint(TexelData map, GpuMapTexel texel, int batch, uint mask, in
     }
     uint kept = mask & ((1u << uint(count)) - 1u);
     if (kept == 0u) kept = 1u; // rounding: the processor has found more points
-    int point = nthBit(kept, number % bitCount(kept));
+    pointCount = bitCount(kept);
+    int point = nthBit(kept, number % pointCount);
     for (int round = 0; round < c.rounds; ++round) {
         if (c.rounds > 1) found = coveredCandidates(map, c, first + round * kTexelCandidates);
         int here = bitCount(found);

@@ -7,6 +7,7 @@
 #include "shaders/bake/crossings.rmiss.h"
 #include "shaders/bake/fronts.rgen.h"
 #include "shaders/bake/gather_light.comp.h"
+#include "shaders/bake/gather_points.comp.h"
 #include "shaders/bake/gather_rays.comp.h"
 #include "shaders/bake/gather_sources.comp.h"
 #include "shaders/bake/gather_sums.comp.h"
@@ -41,6 +42,7 @@ BakeDevice::BakeDevice(const BakeDeviceOptions& options)
                 sizeof(TracePush))
 {
     constexpr uint32_t kPush = 2 * sizeof(VkDeviceAddress);
+    gatherPoints_ = {device_, bake_gather_points_comp, kPush};
     gatherRays_ = {device_, bake_gather_rays_comp, kPush};
     gatherLight_ = {device_, bake_gather_light_comp, kPush};
     gatherSources_ = {device_, bake_gather_sources_comp, kPush};
@@ -72,9 +74,10 @@ std::string BakeDevice::identity() const
 {
     Hasher hasher;
     for (const std::span<const uint32_t> shader : std::initializer_list<std::span<const uint32_t>>{
-             bake_crossings_rahit, bake_crossings_rgen, bake_fronts_rgen, bake_gather_light_comp, bake_gather_rays_comp,
-             bake_gather_sources_comp, bake_gather_sums_comp, bake_nearest_rahit, bake_nearest_rchit, bake_nearest_rgen,
-             bake_paths_paths_rgen, bake_transmittance_rahit, bake_transmittance_rgen, bake_validity_rgen})
+             bake_crossings_rahit, bake_crossings_rgen, bake_fronts_rgen, bake_gather_light_comp,
+             bake_gather_points_comp, bake_gather_rays_comp, bake_gather_sources_comp, bake_gather_sums_comp,
+             bake_nearest_rahit, bake_nearest_rchit, bake_nearest_rgen, bake_paths_paths_rgen, bake_transmittance_rahit,
+             bake_transmittance_rgen, bake_validity_rgen})
         hasher.bytes(shader.data(), shader.size_bytes());
     for (const auto& shaders : {EmitterPipelines::shaders(), ShadowPipelines::shaders()})
         for (const std::span<const uint32_t> shader : shaders) hasher.bytes(shader.data(), shader.size_bytes());

@@ -37,6 +37,7 @@ public:
     /// Tests of `count` texels' points (shaders/bake/validity.rgen), in the same way; `results` are its lists.
     void validity(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
     /// Steps of the final gather (shaders/bake/gather_*.comp).
+    [[nodiscard]] const gpu::ComputePipeline& gatherPoints() const { return gatherPoints_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherRays() const { return gatherRays_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherLight() const { return gatherLight_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSources() const { return gatherSources_; }
@@ -60,6 +61,7 @@ private:
     gpu::RayPipeline transmittance_;
     gpu::RayPipeline crossings_;
     gpu::RayPipeline validity_;
+    gpu::ComputePipeline gatherPoints_;
     gpu::ComputePipeline gatherRays_;
     gpu::ComputePipeline gatherLight_;
     gpu::ComputePipeline gatherSources_;

@@ -1,19 +1,14 @@
 #include "bake_gpu/gpu_surfaces.h"
 
 #include "bake_gpu/transfer.h"
-#include "transport/texels/texel_points.h"
 
 #include <type_traits>
 
 namespace halflight {
 namespace {
 
-using shading::GpuFragment;
 using shading::GpuInstance;
-using shading::GpuMapTexel;
 
-static_assert(uint32_t(TexelSide::FrontOfBoth) == shading::kFrontOfBoth);
-static_assert(uint32_t(TexelSide::Mean) == shading::kMeanTexel);
 static_assert(sizeof(BakeGeometry::Frame) == sizeof(shading::GpuFrame));
 
 /// SurfaceData in shaders/bake/texels.glsl.
@@ -36,20 +31,6 @@ GpuInstance gpuInstance(const BakeGeometry::Instance& from)
 }
 
 } // namespace
-
-GpuMapTexel gpuTexel(const TexelMap& map, const Texel& texel, uint32_t firstFragment)
-{
-    return {texelId(map, texel), uint32_t(texel.x) | uint32_t(texel.y) << 16, firstFragment, texel.fragmentCount};
-}
-
-GpuFragment gpuFragment(const BakeGeometry& geometry, const TexelFragment& fragment)
-{
-    const BakeGeometry::Part& part = geometry.partOf(fragment.triangle);
-    return {part.firstStored + (fragment.triangle - part.firstTriangle),
-            part.instance == BakeGeometry::kOwn ? shading::kNone : part.instance,
-            uint32_t(geometry.texelSideOf(fragment.triangle)) | (part.receiveShadows ? shading::kReceivesShadows : 0u),
-            fragment.barycentric, fragment.area};
-}
 
 template<typename T, typename Make>
 VkDeviceAddress GpuSurfaces::upload(gpu::Device& device, std::size_t count, const Make& make)

@@ -2,7 +2,6 @@
 // The triangles that texels lie on, in a device's memory.
 
 #include "bake_gpu/gpu_scene.h"
-#include "bake_gpu/shadows/texel_layout.h"
 
 #include "halflight/bake/integrator.h"
 
@@ -25,9 +24,5 @@ private:
     std::vector<gpu::Buffer> buffers_;
     gpu::Buffer addresses_;
 };
-
-/// A texel whose fragments begin at `firstFragment` in a list of the device.
-shading::GpuMapTexel gpuTexel(const TexelMap& map, const Texel& texel, uint32_t firstFragment);
-shading::GpuFragment gpuFragment(const BakeGeometry& geometry, const TexelFragment& fragment);
 
 } // namespace halflight

@@ -93,6 +93,16 @@ TEST_F(DeviceEmittersS6, ALampsLightIsTheProcessors)
     expectSameRaysAndLight(room(true, false, true), device);
 }
 
+/// Many rays hit a wall that glows: their weights count.
+TEST_F(DeviceEmittersS6, WideAndSmallEmitters)
+{
+    Scene scene = room(false, false, false);
+    addPlates(scene, 0.2f);
+    const int glow = addMaterial(scene, vec3(0.3f), vec3(1.0f, 0.7f, 0.4f));
+    addRectangle(scene, {vec3(1, 0, -1), vec3(0, 0, 2), vec3(0, 2, 0)}, glow, kPage, {}, 6);
+    expectSameRaysAndLight(scene, device);
+}
+
 /// Beside a bright sun, roulette leaves out most samples of dim plates.
 TEST_F(DeviceEmittersS6, AsManySamplesBesideOtherLight)
 {

@@ -1,5 +1,6 @@
 // The final gather on a device gives the light that it gives on the processor (spec S6).
 
+#include "bake/geometry/balls.h"
 #include "bake/seeds.h"
 #include "bake/test_room.h"
 #include "bake_gpu/same_light.h"
@@ -31,6 +32,19 @@ TEST_F(GatherS6, TexelsAreTheProcessors)
         const Scene scene = room(false, true, sky);
         expectSameLight(bakeOn(embreeIntegrators(), scene, 1), bakeOn(gpuIntegrators(device), scene, 1), 1.0e-3f);
     }
+}
+
+/// Sample points of curved, turned, stretched and mirrored surfaces, and of texels that both sides of a board share.
+TEST_F(GatherS6, BallsAndBoardsAreTheProcessors)
+{
+    expectSameLight(lightOn(embreeIntegrators(), balls::ballsOnFloor(), balls::kPage, settingsOf(1), 31),
+                    lightOn(gpuIntegrators(device), balls::ballsOnFloor(), balls::kPage, settingsOf(1), 31), 1.0e-3f);
+    Scene scene = room(false, true, true);
+    const int paper = addMaterial(scene, vec3(0.5f), vec3(0.0f), true);
+    const int board = addRectangle(scene, {vec3(0.3f, 0.4f, 0.6f), vec3(0.5f, 0.4f, 0), vec3(0, 0.3f, -0.6f)}, paper,
+                                   64, {vec2(1.3f, 47), vec2(14.6f, 58.2f)});
+    scene.meshes[std::size_t(board)].parts[0].texelSides = {TexelSide::Mean, TexelSide::Mean};
+    expectSameLight(bakeOn(embreeIntegrators(), scene, 1), bakeOn(gpuIntegrators(device), scene, 1), 1.0e-3f);
 }
 
 /// Sixteen bakes on each, of other seeds: blocks of 64 neighbouring texels have the same mean light, by Student's t.

@@ -22,9 +22,8 @@ void main()
 {
     uint texel = invocation();
     if (texel >= push.lists.texelCount) return;
-    GpuGatherTexel of = push.lists.texels.at[texel];
-    if (of.blockCount == 0u) return;
-    GpuPoint point = push.lists.points.at[of.firstPoint];
+    if (push.lists.requests.at[texel].blockCount == 0u) return;
+    GpuPoint point = push.lists.points.at[push.lists.texels.at[texel].firstPoint];
     uint count = paths().all.cutNodes;
     setNode(0u, 0u, point);
     for (uint n = 1u; n < count; ++n) {

@@ -17,7 +17,7 @@ void main()
 {
     uint texel = invocation();
     if (texel >= push.lists.texelCount) return;
-    GpuGatherTexel of = push.lists.texels.at[texel];
+    GpuGatherRequest of = push.lists.requests.at[texel];
     float sky = paths().all.brightIlluminance;
     float expected = sky + (paths().all.cutNodes > 0u && of.blockCount > 0u ? push.lists.cutTotals.at[texel] : 0.0);
     GpuEmitterShare share;

@@ -14,7 +14,7 @@ namespace {
 
 using namespace shading;
 
-static_assert(sizeof(DeviceGather::Texel) == sizeof(GpuGatherTexel) && sizeof(DeviceGather::Point) == sizeof(GpuPoint));
+static_assert(sizeof(DeviceGather::Texel) == sizeof(GpuGatherRequest));
 static_assert(sizeof(DeviceGather::Block) == sizeof(GpuBlock) && sizeof(DeviceGather::Sums) == sizeof(GpuSums));
 static_assert(sizeof(DeviceGather::Halves) == sizeof(GpuHalves));
 static_assert(sizeof(PatchLayout::Surface) == sizeof(GpuSurface) && sizeof(PatchLayout::Elements) == sizeof(uint32_t));
@@ -25,14 +25,14 @@ static_assert(sizeof(AliasBin) == sizeof(GpuAliasBin) && sizeof(LightClusters::M
 
 /// Tables in shaders/bake/gather.glsl.
 struct Tables {
-    VkDeviceAddress scene, pattern, radii, angles, surfaces, normals, elements, patches, guides, entries, cumulative,
-        clusters, triangles, sourceMasks, bins, members, picture, paths;
+    VkDeviceAddress scene, pattern, radii, angles, surfaces, normals, elements, patches, guideOfPatch, sourcesOfGuide,
+        guides, entries, cumulative, clusters, triangles, sourceMasks, bins, members, picture, paths;
     GpuGatherConstants all;
 };
 /// Lists in shaders/bake/gather.glsl.
 struct Lists {
-    VkDeviceAddress texels, points, blocks, rays, hits, gathered, sourceRays, sources, passed, sums, open, openBefore,
-        cuts, cutTotals, shares, emitted, counts;
+    VkDeviceAddress mapTexels, fragments, requests, texels, points, blocks, rays, hits, gathered, sourceRays, sources,
+        passed, sums, open, openBefore, cuts, cutTotals, shares, emitted, counts;
     uint32_t blockCount, texelCount;
 };
 struct Push {
@@ -62,9 +62,11 @@ std::vector<vec3> normalsOf(const RayTracer& surfaces)
 /// there: each of their bytes is used once.
 struct GpuGather::Workspace {
     /// `emission`: there are emitters or a bright part of the sky; `cutNodes`: of a texel's cut.
-    Workspace(gpu::Device& device, bool emission, std::size_t cutNodes)
-        : texels(device, kMostBlocks * sizeof(Texel), gpu::kAddressed, gpu::MemoryUse::Upload),
-          points(device, kMostBlocks * kPatternBlock * sizeof(Point), gpu::kAddressed, gpu::MemoryUse::Upload),
+    Workspace(gpu::Device& device, const GatherTables& tables, bool emission, std::size_t cutNodes)
+        : map(device, tables.paths.surfaces().geometry(), kMostBlocks, tables.cache.layout().hitIndexOfTriangle),
+          requests(device, kMostBlocks * sizeof(Texel), gpu::kAddressed, gpu::MemoryUse::Upload),
+          texels(device, kMostBlocks * sizeof(GpuGatherTexel), gpu::kAddressed, gpu::MemoryUse::Device),
+          points(device, kMostBlocks * kPatternBlock * sizeof(GpuPoint), gpu::kAddressed, gpu::MemoryUse::Device),
           blocks(device, kMostBlocks * sizeof(Block), gpu::kAddressed, gpu::MemoryUse::Upload),
           lists(device, sizeof(Lists), gpu::kAddressed, gpu::MemoryUse::Upload),
           rays(device, kMostRays * sizeof(GpuRay), gpu::kAddressed, gpu::MemoryUse::Device),
@@ -89,7 +91,8 @@ struct GpuGather::Workspace {
         shares = make(sizeof(GpuEmitterShare), gpu::MemoryUse::Device);
         emitted = make(sizeof(Halves), gpu::MemoryUse::Readback);
     }
-    gpu::Buffer texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open,
+    TexelLists map;
+    gpu::Buffer requests, texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open,
         openBefore, counts;
     gpu::Buffer cuts, cutTotals, shares, emitted; ///< empty where they are not needed
 };
@@ -120,6 +123,11 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.normals = keep(normalsOf(tables.paths.surfaces()));
     t.elements = keep(layout.elements);
     t.patches = keep(tables.cache.patches());
+    t.guideOfPatch = keep(tables.guides.guideOfPatch());
+    std::vector<uint32_t> sources;
+    for (const Guide& guide : tables.guides.guides()) sources.push_back(uint32_t(sourceSamplesOf(guide)));
+    anySources_ = std::any_of(sources.begin(), sources.end(), [](uint32_t samples) { return samples > 0; });
+    t.sourcesOfGuide = keep(sources);
     t.guides = keep(tables.guides.guides());
     t.entries = keep(tables.guides.entries());
     t.cumulative = keep(tables.guides.cumulative());
@@ -141,6 +149,8 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.all.chartPatches = layout.chartPatches;
     t.all.patchShift = layout.patchShift;
     t.all.memberCount = uint32_t(clusters.members().size());
+    // Without sources there are no guides.
+    t.all.guidedPatches = tables.guides.empty() ? 0 : uint32_t(tables.guides.guideOfPatch().size());
     t.all.sky = (skyLight.black() ? 0u : kSky) | (picture != nullptr ? kSkyPicture : 0u);
     t.all.zenith = sky.zenith;
     t.all.horizon = sky.horizon;
@@ -150,32 +160,20 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.all.limit = skyLight.limit();
     tables_ = bufferOf(on, std::span<const Tables>(&t, 1));
     const std::size_t cutNodes = std::min(LightTree::Cut::kMaxNodes, tables.paths.light().emitters().all().size());
-    workspace_ = std::make_unique<Workspace>(on, emitters_ != nullptr, cutNodes);
+    workspace_ = std::make_unique<Workspace>(on, tables, emitters_ != nullptr, cutNodes);
 }
 
-Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
+Status GpuGather::gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,
                          std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const
 {
     if (blocks.empty()) return {};
+    const TexelLists::Copy mapTexels =
+        workspace_->map.copyOf(map, texels.size(), [&](std::size_t i) { return texels[i].texel; });
     const std::lock_guard turn(mutex_);
-    Workspace& w = *workspace_;
-    const auto write = [](const gpu::Buffer& to, const auto& list) {
-        std::memcpy(to.mapped(), list.data(), list.size_bytes());
-    };
-    write(w.texels, texels);
-    write(w.points, points);
-    write(w.blocks, blocks);
-    std::memset(w.counts.mapped(), 0, w.counts.size());
-    const Lists lists{w.texels.address(), w.points.address(),      w.blocks.address(),     w.rays.address(),
-                      w.hits.address(),   w.gathered.address(),    w.sourceRays.address(), w.sources.address(),
-                      w.passed.address(), w.sums.address(),        w.open.address(),       w.openBefore.address(),
-                      w.cuts.address(),   w.cutTotals.address(),   w.shares.address(),     w.emitted.address(),
-                      w.counts.address(), uint32_t(blocks.size()), uint32_t(texels.size())};
-    std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
-    const bool anySources =
-        std::any_of(texels.begin(), texels.end(), [](const Texel& texel) { return texel.sources > 0; });
+    const Workspace& w = *workspace_;
     try {
-        traceRays(blocks.size(), anySources);
+        setLists(mapTexels, texels, blocks);
+        traceRays(texels.size(), blocks.size());
         finishRays(texels.size(), blocks.size(), placesOfOpenRays(blocks.size()));
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
@@ -186,6 +184,27 @@ Status GpuGather::gather(std::span<const Texel> texels, std::span<const Point> p
     std::memcpy(&others, w.counts.mapped() + kRayCount * sizeof(others), sizeof(others));
     rays += blocks.size() * kPatternBlock + others;
     return {};
+}
+
+/// Copies a call's lists to the workspace.
+void GpuGather::setLists(const TexelLists::Copy& mapTexels, std::span<const Texel> texels,
+                         std::span<const Block> blocks) const
+{
+    Workspace& w = *workspace_;
+    const auto write = [](const gpu::Buffer& to, const auto& list) {
+        std::memcpy(to.mapped(), list.data(), list.size_bytes());
+    };
+    w.map.set(mapTexels);
+    write(w.requests, texels);
+    write(w.blocks, blocks);
+    std::memset(w.counts.mapped(), 0, w.counts.size());
+    const Lists lists{w.map.texels(),          w.map.fragments(),      w.requests.address(),   w.texels.address(),
+                      w.points.address(),      w.blocks.address(),     w.rays.address(),       w.hits.address(),
+                      w.gathered.address(),    w.sourceRays.address(), w.sources.address(),    w.passed.address(),
+                      w.sums.address(),        w.open.address(),       w.openBefore.address(), w.cuts.address(),
+                      w.cutTotals.address(),   w.shares.address(),     w.emitted.address(),    w.counts.address(),
+                      uint32_t(blocks.size()), uint32_t(texels.size())};
+    std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
 }
 
 /// Finds how many open rays come before those of each group. Returns how many there are.
@@ -202,17 +221,18 @@ uint32_t GpuGather::placesOfOpenRays(std::size_t blocks) const
 }
 
 /// Traces the rays of all blocks. Those whose light is unknown are in a list afterwards.
-void GpuGather::traceRays(std::size_t blocks, bool anySources) const
+void GpuGather::traceRays(std::size_t texels, std::size_t blocks) const
 {
     const Workspace& w = *workspace_;
     const Push push{tables_.address(), w.lists.address()};
     const std::span<const std::byte> bytes = gpu::bytesOf(push);
     const uint32_t count = raysOfChunks(uint32_t(blocks), kPatternBlock);
     device_.device().execute([&](VkCommandBuffer commands) {
+        device_.gatherPoints().run(commands, bytes, texels * kPatternBlock, kGroupSize);
         device_.gatherRays().run(commands, bytes, count, kGroupSize);
         device_.nearest(commands, {scene_.address(), w.rays.address(), w.hits.address()}, count);
         device_.gatherLight().run(commands, bytes, count, kGroupSize);
-        if (anySources) {
+        if (anySources_) {
             device_.gatherSources().run(commands, bytes, count, kGroupSize);
             device_.transmittance(commands, {scene_.address(), w.sourceRays.address(), w.passed.address()}, count);
         }

@@ -2,6 +2,7 @@
 // The final gather on a device: rays, lookups, paths and sums of a batch of blocks, in two submissions.
 
 #include "bake_gpu/gather/path_tables.h"
+#include "bake_gpu/texel_lists.h"
 
 #include <mutex>
 
@@ -13,13 +14,15 @@ public:
     GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const GatherTables& tables);
     ~GpuGather() override;
 
-    Status gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
+    Status gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,
                   std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const override;
 
 private:
     struct Workspace;
+    void setLists(const TexelLists::Copy& mapTexels, std::span<const Texel> texels,
+                  std::span<const Block> blocks) const;
     uint32_t placesOfOpenRays(std::size_t blocks) const;
-    void traceRays(std::size_t blocks, bool anySources) const;
+    void traceRays(std::size_t texels, std::size_t blocks) const;
     void finishRays(std::size_t texels, std::size_t blocks, uint32_t open) const;
     void sampleEmitters(VkCommandBuffer commands, std::size_t texels, std::size_t blocks) const;
 
@@ -29,6 +32,7 @@ private:
     const gpu::RayPipeline& paths_;
     const EmitterPipelines* emitters_; ///< null: the scene has neither emitters nor a bright part of the sky
     bool anyEmitters_;
+    bool anySources_ = false;          ///< some guide samples secondary sources
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to
     gpu::Buffer tables_;
     mutable std::mutex mutex_; ///< the workspace takes turns

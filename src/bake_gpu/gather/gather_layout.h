@@ -7,18 +7,22 @@
 
 HL_NAMESPACE_BEGIN
 
-// [DeviceGather::Texel, Point, Block]
-struct GpuGatherTexel {
-    uint id;
-    uint firstPoint;
-    uint pointCount;
-    uint guide; // kNone: none
-    uint sources;
+// [DeviceGather::Texel, Block]
+struct GpuGatherRequest {
+    uint texel; // number of the map
     uint firstBlock;
     uint blockCount;
     vec3 gathered; // sum over the half-blocks before these blocks
     uint halfBlocks;
 };
+struct GpuGatherTexel {
+    uint id;
+    uint firstPoint;
+    uint pointCount; // 1 ... kPatternBlock
+    uint guide;      // kNone: none
+    uint sources;    // samples of secondary sources of a block
+};
+// A sample point, from which rays start.
 struct GpuPoint {
     vec3 position;
     vec3 normal;
@@ -131,6 +135,7 @@ struct GpuGatherConstants {
     uint chartPatches; // PatchLayout::chartPatches
     int patchShift;
     uint memberCount;
+    uint guidedPatches; // patches that may have a guide
     uint sky;
     vec3 zenith; // or 1 / limit in x, for a picture
     vec3 horizon;

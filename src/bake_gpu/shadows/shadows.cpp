@@ -18,8 +18,6 @@
 namespace halflight {
 namespace {
 
-using shading::GpuFragment;
-using shading::GpuMapTexel;
 using shading::GpuRay;
 using shading::GpuShadowSource;
 using shading::kShadowHalf;
@@ -44,8 +42,6 @@ struct ShadowPush {
 };
 
 static_assert(DeviceShadows::kItemsAtOnce % shading::kItemsOfChunk == 0);
-/// Fragments of the texels of a submission: two for each. More take a larger buffer.
-constexpr std::size_t kUsualFragments = 2 * DeviceShadows::kItemsAtOnce;
 
 /// Whether shadow rays of some triangle start above it.
 bool anySmoothTriangle(const BakeGeometry& geometry)
@@ -70,9 +66,8 @@ std::vector<std::span<const uint32_t>> ShadowPipelines::shaders()
 
 /// Buffers of one call. What the processor writes and reads is in its memory, and the device reaches it there.
 struct GpuShadows::Workspace {
-    Workspace(gpu::Device& device, std::size_t lightCount)
-        : texels(device, kItemsAtOnce * sizeof(GpuMapTexel), gpu::kAddressed, gpu::MemoryUse::Upload),
-          fragments(device, kUsualFragments * sizeof(GpuFragment), gpu::kAddressed, gpu::MemoryUse::Upload),
+    Workspace(gpu::Device& device, const BakeGeometry& geometry, std::size_t lightCount)
+        : texels(device, geometry, kItemsAtOnce),
           items(device, kItemsAtOnce * sizeof(Item), gpu::kAddressed, gpu::MemoryUse::Upload),
           sources(device, kMaxShadowSources * sizeof(GpuShadowSource), gpu::kAddressed, gpu::MemoryUse::Upload),
           numbers(device, lightCount * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Upload),
@@ -83,7 +78,8 @@ struct GpuShadows::Workspace {
           sums(device, kItemsAtOnce * sizeof(LitSum), gpu::kAddressed, gpu::MemoryUse::Readback),
           counts(device, sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
     {}
-    gpu::Buffer texels, fragments, items, sources, numbers, lists, rays, passed, weights, sums, counts;
+    TexelLists texels;
+    gpu::Buffer items, sources, numbers, lists, rays, passed, weights, sums, counts;
 };
 
 GpuShadows::~GpuShadows() = default;
@@ -105,7 +101,7 @@ GpuShadows::GpuShadows(BakeDevice& device, const GpuScene& scene, const GpuSurfa
                                  keep(pattern.radii),         keep(pattern.angles), uint32_t(batches.size()),
                                  tables.surfaces.sceneScale()};
     tables_ = bufferOf(on, std::span<const ShadowTableAddresses>(&t, 1));
-    workspace_ = std::make_unique<Workspace>(on, tables.lights.size());
+    workspace_ = std::make_unique<Workspace>(on, geometry_, tables.lights.size());
 }
 
 void GpuShadows::setSources(std::span<const ShadowSource> sources) const
@@ -121,24 +117,6 @@ void GpuShadows::setSources(std::span<const ShadowSource> sources) const
     assert(numbers.size() * sizeof(uint32_t) <= workspace_->numbers.size()); // a light is in one source
     std::memcpy(workspace_->sources.mapped(), list.data(), list.size() * sizeof(GpuShadowSource));
     std::memcpy(workspace_->numbers.mapped(), numbers.data(), numbers.size() * sizeof(uint32_t));
-}
-
-/// Copies texels and their fragments to the workspace, on all threads.
-void GpuShadows::setTexels(const TexelMap& map, std::span<const uint32_t> texels) const
-{
-    Workspace& w = *workspace_;
-    std::vector<uint32_t> firsts(texels.size() + 1);
-    for (std::size_t i = 0; i < texels.size(); ++i) firsts[i + 1] = firsts[i] + map.texels[texels[i]].fragmentCount;
-    if (firsts.back() * sizeof(GpuFragment) > w.fragments.size())
-        w.fragments = {device_.device(), firsts.back() * sizeof(GpuFragment), gpu::kAddressed, gpu::MemoryUse::Upload};
-    auto* const toTexels = reinterpret_cast<GpuMapTexel*>(w.texels.mapped());
-    auto* const toFragments = reinterpret_cast<GpuFragment*>(w.fragments.mapped());
-    forEachIndex(texels.size(), [&](std::size_t i) {
-        const Texel& texel = map.texels[texels[i]];
-        toTexels[i] = gpuTexel(map, texel, firsts[i]);
-        for (uint32_t f = 0; f < texel.fragmentCount; ++f)
-            toFragments[firsts[i] + f] = gpuFragment(geometry_, map.fragments[texel.firstFragment + f]);
-    });
 }
 
 /// Copies items to the workspace, whose first texel has a number in their list of texels.
@@ -161,7 +139,8 @@ Status GpuShadows::trace(const TexelMap& map, const Batch& batch, std::span<LitS
             const std::span<const Item> items =
                 batch.items.subspan(first, std::min(batch.items.size() - first, kItemsAtOnce));
             const uint32_t firstTexel = items.front().texel;
-            setTexels(map, batch.texels.subspan(firstTexel, items.back().texel + 1 - firstTexel));
+            workspace_->texels.set(map, items.back().texel + 1 - firstTexel,
+                                   [&](std::size_t i) { return batch.texels[firstTexel + i]; });
             setItems(items, firstTexel);
             rays += traceItems(items.size());
             std::memcpy(sums.data() + first, workspace_->sums.mapped(), items.size() * sizeof(LitSum));
@@ -177,9 +156,9 @@ uint32_t GpuShadows::traceItems(std::size_t itemCount) const
 {
     Workspace& w = *workspace_;
     std::memset(w.counts.mapped(), 0, w.counts.size());
-    const ShadowLists lists{w.texels.address(),  w.fragments.address(), w.items.address(),  w.sources.address(),
-                            w.numbers.address(), w.rays.address(),      w.passed.address(), w.weights.address(),
-                            w.sums.address(),    w.counts.address(),    uint32_t(itemCount)};
+    const ShadowLists lists{w.texels.texels(),   w.texels.fragments(), w.items.address(),  w.sources.address(),
+                            w.numbers.address(), w.rays.address(),     w.passed.address(), w.weights.address(),
+                            w.sums.address(),    w.counts.address(),   uint32_t(itemCount)};
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
     const ShadowPush push{tables_.address(), w.lists.address()};
     const uint32_t count = shading::raysOfChunks(uint32_t(itemCount), kShadowHalf);

@@ -2,6 +2,7 @@
 // Shadow rays on a device: their origins, both rays of each and their sums, in one submission.
 
 #include "bake_gpu/gpu_surfaces.h"
+#include "bake_gpu/texel_lists.h"
 #include "transport/shadows/device_shadows.h"
 
 #include <memory>
@@ -20,7 +21,6 @@ public:
 private:
     struct Workspace;
     void setSources(std::span<const ShadowSource> sources) const;
-    void setTexels(const TexelMap& map, std::span<const uint32_t> texels) const;
     void setItems(std::span<const Item> items, uint32_t firstTexel) const;
     uint32_t traceItems(std::size_t itemCount) const;
 

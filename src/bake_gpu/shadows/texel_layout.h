@@ -11,11 +11,13 @@ struct GpuMapTexel {
     uint place;         // column and row on the page: 16 bits each
     uint firstFragment; // index into a list of fragments
     uint fragmentCount;
+    uint validPoints; // a bit for each
 };
 struct GpuFragment {
     uint triangle; // stored
     uint instance; // kNone: stored in world space
     uint flags;    // TexelSide, kReceivesShadows
+    uint hitIndex; // kNone: rays do not hit it, or no shader asks
     vec2 barycentric;
     float area;
 };

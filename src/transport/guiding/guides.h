@@ -51,6 +51,8 @@ public:
         float probability = 0.0f;
     };
     [[nodiscard]] std::span<const Guide> guides() const { return guides_; }
+    /// By patch, the first ones; ~0 = none.
+    [[nodiscard]] std::span<const uint32_t> guideOfPatch() const { return guideOfPatch_; }
     /// List by list, in ascending order of clusters; and the probability of a list's entries up to each.
     [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
     [[nodiscard]] std::span<const float> cumulative() const { return cumulative_; }

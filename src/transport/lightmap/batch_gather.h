@@ -11,9 +11,8 @@ namespace halflight {
 
 class BatchGather {
 public:
-    BatchGather(const DeviceGather& device, const PathTracer& paths, const RadianceCache& cache, const Guides& guides,
-                const TexelMap& map)
-        : device_(device), paths_(paths), cache_(cache), guides_(guides), map_(map)
+    BatchGather(const DeviceGather& device, const TexelMap& map, bool samplesEmission)
+        : device_(device), map_(map), samplesEmission_(samplesEmission)
     {}
 
     /// Adds blocks `firstBlock` … `firstBlock` + blocks - 1 to the estimate of a texel.
@@ -31,10 +30,8 @@ private:
     void prepare(Batch& batch) const;
 
     const DeviceGather& device_;
-    const PathTracer& paths_;
-    const RadianceCache& cache_;
-    const Guides& guides_;
     const TexelMap& map_;
+    bool samplesEmission_; ///< SceneLight::samplesEmission()
 };
 
 } // namespace halflight

@@ -26,19 +26,10 @@ class DeviceGather {
 public:
     virtual ~DeviceGather() = default;
 
-    struct Point {
-        vec3 position{0.0f}; ///< origin of rays
-        vec3 normal{0.0f};
-        vec3 geometricNormal{0.0f};
-    };
     struct Texel {
-        uint32_t id = 0;         ///< texelId()
-        uint32_t firstPoint = 0; ///< index into a list of points
-        uint32_t pointCount = 0; ///< 1 … 16
-        uint32_t guide = ~0u;    ///< index into Guides::guides(); ~0 = none
-        uint32_t sources = 0;    ///< samples of secondary sources of a block
+        uint32_t texel = 0;      ///< of the map
         uint32_t firstBlock = 0; ///< index into the list of blocks
-        uint32_t blockCount = 0;
+        uint32_t blockCount = 0; ///< 0: the texel is not valid
         vec3 gathered{0.0f};     ///< sum of what it has gathered before: TexelEstimate::gathered
         uint32_t halfBlocks = 0; ///< terms of that sum
     };
@@ -62,7 +53,7 @@ public:
     static constexpr std::size_t kMostBlocks = 65536;
     /// By block, `gathered` gets what gather rays and samples of secondary sources bring, `emitted` those of emitters
     /// and the sky. It is empty where the scene has neither (SceneLight::samplesEmission()). Any thread may call it.
-    virtual Status gather(std::span<const Texel> texels, std::span<const Point> points, std::span<const Block> blocks,
+    virtual Status gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,
                           std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const = 0;
 };
 

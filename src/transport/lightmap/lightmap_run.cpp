@@ -150,7 +150,7 @@ Status LightmapRun::extendOnDevice(std::span<const uint32_t> places, std::span<c
     std::vector<BatchGather::Request> requests(places.size());
     for (std::size_t i = 0; i < places.size(); ++i)
         requests[i] = {texelAt(places[i]), blocks[i], &stateAt(places[i]).estimate};
-    const BatchGather gather(*input_.state.device, input_.paths, input_.state.cache, input_.state.guides, input_.map);
+    const BatchGather gather(*input_.state.device, input_.map, input_.paths.light().samplesEmission());
     if (Status s = gather.add(requests, firstBlock, progress_, rays_); !s) return s;
     return input_.paths.surfaces().outcome(true);
 }
