@@ -4,6 +4,7 @@
 #include "bake/seeds.h"
 #include "bake/test_room.h"
 #include "bake_gpu/same_light.h"
+#include "transport/lightmap/device_gather.h"
 
 #include <cmath>
 
@@ -44,6 +45,19 @@ TEST_F(GatherS6, BallsAndBoardsAreTheProcessors)
     const int board = addRectangle(scene, {vec3(0.3f, 0.4f, 0.6f), vec3(0.5f, 0.4f, 0), vec3(0, 0.3f, -0.6f)}, paper,
                                    64, {vec2(1.3f, 47), vec2(14.6f, 58.2f)});
     scene.meshes[std::size_t(board)].parts[0].texelSides = {TexelSide::Mean, TexelSide::Mean};
+    expectSameLight(bakeOn(embreeIntegrators(), scene, 1), bakeOn(gpuIntegrators(device), scene, 1), 1.0e-3f);
+}
+
+/// 125,000 triangles on a small page: a call has more fragments than there is room for at first.
+TEST_F(GatherS6, FineMeshesAreTheProcessors)
+{
+    Scene scene;
+    const int gray = addMaterial(scene, vec3(0.6f));
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0.3f, -2)}, gray, 64, {vec2(2), vec2(40)}, 250);
+    addRectangle(scene, {vec3(-1, 0, -1), vec3(2, 0, 0), vec3(0, 1.5f, 0)}, gray, 64, {vec2(42, 2), vec2(62, 20)});
+    scene.sky = {vec3(1.0f), vec3(0.6f), vec3(0.2f)};
+    Bench bench(scene, MixedLightingMode::Shadowmask, 64, settingsOf(1));
+    ASSERT_GT(bench.map.fragments.size(), 2 * DeviceGather::kMostBlocks);
     expectSameLight(bakeOn(embreeIntegrators(), scene, 1), bakeOn(gpuIntegrators(device), scene, 1), 1.0e-3f);
 }
 
