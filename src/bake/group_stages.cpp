@@ -20,7 +20,7 @@ namespace halflight {
 namespace {
 
 /// Texels darker than this share of the 99th percentile are black, so that they take no bytes.
-constexpr float kDarkShare = 1.0f / 4096.0f;
+constexpr float kDimShare = 1.0f / 4096.0f;
 /// Bits of groups' mantissas in RGB9E5, of nine: half a step is 0.8 % of a texel's brightest channel at most. Bits that
 /// hold noise take bytes, and do not compress.
 constexpr uint32_t kMantissaBits = 7;
@@ -99,7 +99,7 @@ void blackenDark(std::vector<ImageRgb32f>& pages)
     if (lights.empty()) return;
     const auto high = lights.begin() + std::ptrdiff_t(lights.size() - 1 - lights.size() / 100);
     std::nth_element(lights.begin(), high, lights.end());
-    const float least = kDarkShare * *high;
+    const float least = kDimShare * *high;
     for (ImageRgb32f& page : pages)
         for (vec3& texel : page.texels())
             if (luminance(texel) < least) texel = vec3(0.0f);

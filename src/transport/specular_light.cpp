@@ -18,7 +18,7 @@ constexpr uint32_t kLightSeed = 0x5eed000au;
 /// Paths per point and view. Judgements are sums over many points, where their noise averages out.
 constexpr int kPaths = 12;
 /// Lights of which each gets a shadow ray per path. More lights share these rays.
-constexpr std::size_t kLightsWithOwnRays = 4;
+constexpr std::size_t kSpecularLightsWithOwnRays = 4;
 
 class SpecularTracer {
 public:
@@ -82,7 +82,7 @@ private:
         const uint32_t seed = settings_.seed ^ kLightSeed;
         vec3 sum(0.0f);
         const float u = unitFloat(hashCombine(seed, id));
-        shareRays(weights, kPaths, kLightsWithOwnRays, u, [&](std::size_t i, int count, float scale) {
+        shareRays(weights, kPaths, kSpecularLightsWithOwnRays, u, [&](std::size_t i, int count, float scale) {
             vec3 ofLight(0.0f);
             for (int s = 0; s < count; ++s) {
                 Sampler sampler(seed, hashCombine(id, uint32_t(i)), uint32_t(s));

@@ -44,7 +44,7 @@ Bounds boundsOf(const BakeGeometry& geometry)
 }
 
 /// A patch that may face a cavity, with the numbers of its rays that are longer than a cavity is wide.
-struct Candidate {
+struct FacetSide {
     Patch patch;
     int front = 0;
     int back = 0;
@@ -68,16 +68,16 @@ public:
     {
         std::vector<Patch> found;
         for (std::size_t first = 0; first < patches.size(); first += kBlockPatches) {
-            std::vector<Candidate> candidates;
+            std::vector<FacetSide> candidates;
             for (const Patch patch : patches.subspan(first, std::min(kBlockPatches, patches.size() - first)))
                 candidates.push_back({patch});
             for (int ray = 0; ray < kRaysOfSide && !candidates.empty(); ray += kRaysAtOnce) {
                 if (Status s = cast(candidates, ray, false); !s) return s.error();
-                std::erase_if(candidates, [](const Candidate& c) { return c.enoughBack() > kRaysOfSide; });
+                std::erase_if(candidates, [](const FacetSide& c) { return c.enoughBack() > kRaysOfSide; });
             }
             for (int ray = 0; ray < kRaysOfSide; ray += kRaysAtOnce)
                 if (Status s = cast(candidates, ray, true); !s) return s.error();
-            for (const Candidate& c : candidates) {
+            for (const FacetSide& c : candidates) {
                 if (c.back < c.enoughBack()) continue;
                 const Result<bool> empty = isEmpty(c.patch);
                 if (!empty) return empty.error();
@@ -111,7 +111,7 @@ private:
         return s;
     }
     /// Casts kRaysAtOnce rays of all candidates, from ray `begin` on.
-    Status cast(std::vector<Candidate>& candidates, int begin, bool back) const
+    Status cast(std::vector<FacetSide>& candidates, int begin, bool back) const
     {
         std::vector<Segment> segments(candidates.size() * kRaysAtOnce);
         parallelFor(candidates.size(), 16, [&](std::size_t first, std::size_t last) {
@@ -125,7 +125,7 @@ private:
         const Result<SurfacesAlong> surfaces = surfacesAlong(integrator_, segments);
         if (!surfaces) return surfaces.error();
         for (std::size_t i = 0; i < segments.size(); ++i) {
-            Candidate& c = candidates[i / kRaysAtOnce];
+            FacetSide& c = candidates[i / kRaysAtOnce];
             (back ? c.back : c.front) += (*surfaces)[i] ? 0 : 1;
         }
         return {};

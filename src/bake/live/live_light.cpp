@@ -20,7 +20,7 @@ namespace {
 constexpr int kSquareSide = 2;
 constexpr std::size_t kMostSquares = 8192;
 /// Paths of a sample: with its neighbours' about 64, whose noise does not hide the light.
-constexpr int kPaths = 16;
+constexpr int kPathsOfSample = 16;
 /// How much brighter than first light the lightmap may get before it is clamped.
 constexpr float kHeadroom = 8.0f;
 /// Texels until the first look at the view; then so many as take about a second, since each request computes some
@@ -37,7 +37,7 @@ Result<ProbeSet> roughProbes(const Scene& scene, float spacingMeters, Integrator
     for (const Probe& probe : set.probes) positions.push_back(probe.position);
     std::vector<ProbeEstimate> estimates(positions.size());
     const std::vector<uint32_t> all = allIndices(positions.size());
-    if (Status s = integrator.probes(positions, all, kPaths, estimates, progress); !s) return s.error();
+    if (Status s = integrator.probes(positions, all, kPathsOfSample, estimates, progress); !s) return s.error();
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         set.probes[i].radiance = estimates[i].radiance;
         set.probes[i].valid = estimates[i].valid;
@@ -94,7 +94,7 @@ Status LiveLight::roughIrradiance(const Scene& own, const CachedIntegrator& cach
         if (!made) return made.error();
         integrator = std::move(*made);
     }
-    TexelRequest request{texels, kPaths};
+    TexelRequest request{texels, kPathsOfSample};
     request.rough = true;
     std::vector<IrradianceEstimate> estimates(texels.size());
     const std::unique_ptr<PreparedLightmap> lightmap =

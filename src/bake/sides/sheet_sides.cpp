@@ -33,7 +33,7 @@ constexpr float kDiffer = 0.1f; ///< difference of both sides' light, over the b
 constexpr float kEven = 0.02f;  ///< most deviation of an even side's estimates, over the brighter side's light
 constexpr float kLeastTexels = 4.0f; ///< area of a sheet with texels for both sides; smaller ones are leaves
 constexpr double kSigmas = 3.0;      ///< standard errors beyond which a result of few points is no chance
-constexpr uint32_t kSeed = 0x5eed0061u;
+constexpr uint32_t kSheetSeed = 0x5eed0061u;
 
 struct Sheet {
     int mesh = -1;
@@ -117,7 +117,7 @@ std::vector<SurfacePoint> pointsOf(const BakeGeometry& geometry, const Sheet& sh
         const double at = (radicalInverse(uint32_t(i)) + 0.5 / double(sheet.points)) * area;
         const auto found = std::upper_bound(sums.begin(), sums.end(), at) - sums.begin();
         const auto triangle = std::min(std::size_t(found), sums.size() - 1);
-        const vec2 u = r2Point(int(hashCombine(kSeed, uint32_t(i)) >> 8));
+        const vec2 u = r2Point(int(hashCombine(kSheetSeed, uint32_t(i)) >> 8));
         points.push_back(surfacePoint(geometry, sheet.triangles[triangle], shading::sampleTriangle(u)));
     }
     for (int i = 0; i < sheet.points; ++i) {

@@ -23,15 +23,15 @@ constexpr int kRadianceBits = 10;
 constexpr int kOcclusionBits = 10;
 constexpr int kUnitBits = 8; // of normals and tangents
 
-enum class Kind { Position, Unit, Coordinates, Color, Delta, Radiance, Occlusion, Other };
+enum class AttributeKind { Position, Unit, Coordinates, Color, Delta, Radiance, Occlusion, Other };
 
-Kind kindOf(const std::string& semantic)
+AttributeKind kindOf(const std::string& semantic)
 {
-    if (semantic == "POSITION") return Kind::Position;
-    if (semantic == "NORMAL" || semantic == "TANGENT") return Kind::Unit;
-    if (semantic.starts_with("TEXCOORD_")) return Kind::Coordinates;
-    if (semantic.starts_with("COLOR_")) return Kind::Color;
-    return Kind::Other;
+    if (semantic == "POSITION") return AttributeKind::Position;
+    if (semantic == "NORMAL" || semantic == "TANGENT") return AttributeKind::Unit;
+    if (semantic.starts_with("TEXCOORD_")) return AttributeKind::Coordinates;
+    if (semantic.starts_with("COLOR_")) return AttributeKind::Color;
+    return AttributeKind::Other;
 }
 
 class Optimizer {
@@ -99,7 +99,7 @@ private:
         if (json.contains("targets")) {
             for (Json& target : json["targets"]) {
                 for (Json& accessor : target) {
-                    if (Status s = convert(accessor, Kind::Delta, order, id); !s) return s;
+                    if (Status s = convert(accessor, AttributeKind::Delta, order, id); !s) return s;
                 }
             }
         }
@@ -122,7 +122,7 @@ private:
     }
 
     // Replaces the accessor's index by that of a new one: once for each order of vertices.
-    Status convert(Json& accessor, Kind kind, const VertexOrder& order, std::size_t orderId)
+    Status convert(Json& accessor, AttributeKind kind, const VertexOrder& order, std::size_t orderId)
     {
         const int index = accessor.get<int>();
         const auto key = std::tuple(index, kind, orderId);
@@ -143,7 +143,7 @@ private:
         Json json = source_.json["accessors"][std::size_t(index)];
         for (const char* gone : {"bufferView", "byteOffset", "sparse", "min", "max"}) json.erase(gone);
         json["count"] = sourceOf.size();
-        NewView bytes = view->componentType == gltf::kFloat && kind != Kind::Other
+        NewView bytes = view->componentType == gltf::kFloat && kind != AttributeKind::Other
                             ? fromFloats(*view, sourceOf, kind, json)
                             : asTheyAre(*view, sourceOf, json, kind);
         bytes.target = gltf::kVertices;
@@ -152,7 +152,8 @@ private:
         return {};
     }
 
-    static NewView asTheyAre(const AccessorView& view, const std::vector<std::size_t>& sourceOf, Json& json, Kind kind)
+    static NewView asTheyAre(const AccessorView& view, const std::vector<std::size_t>& sourceOf, Json& json,
+                             AttributeKind kind)
     {
         NewView out;
         const std::size_t stride = (view.bytesPerElement + 3) / 4 * 4;
@@ -160,7 +161,7 @@ private:
         for (std::size_t i = 0; i < sourceOf.size(); ++i)
             std::memcpy(&out.bytes[i * stride], view.at(sourceOf[i]), view.bytesPerElement);
         if (stride != view.bytesPerElement) out.strideBytes = int(stride);
-        if (kind == Kind::Position) setBounds(view, sourceOf, json);
+        if (kind == AttributeKind::Position) setBounds(view, sourceOf, json);
         return out;
     }
 
@@ -191,7 +192,8 @@ private:
         }
     }
 
-    static NewView fromFloats(const AccessorView& view, const std::vector<std::size_t>& sourceOf, Kind kind, Json& json)
+    static NewView fromFloats(const AccessorView& view, const std::vector<std::size_t>& sourceOf, AttributeKind kind,
+                              Json& json)
     {
         std::vector<float> values;
         values.reserve(sourceOf.size() * std::size_t(view.components));
@@ -202,19 +204,20 @@ private:
                 isFraction = isFraction && values.back() >= 0.0f && values.back() <= 1.0f;
             }
         }
-        if (kind == Kind::Unit && (view.components == 3 || view.components == 4))
+        if (kind == AttributeKind::Unit && (view.components == 3 || view.components == 4))
             return unitVectors(values, view.components, json);
-        if (kind == Kind::Coordinates && isFraction) return fractions<uint16_t>(values, gltf::kUnsignedShort, json);
-        if (kind == Kind::Color && isFraction && view.components == 4)
+        if (kind == AttributeKind::Coordinates && isFraction)
+            return fractions<uint16_t>(values, gltf::kUnsignedShort, json);
+        if (kind == AttributeKind::Color && isFraction && view.components == 4)
             return fractions<uint8_t>(values, gltf::kUnsignedByte, json);
         int bits = kDeltaBits;
-        if (kind == Kind::Position) bits = kPositionBits;
-        if (kind == Kind::Coordinates || kind == Kind::Color) bits = kCoordinateBits;
-        if (kind == Kind::Radiance) bits = kRadianceBits;
-        if (kind == Kind::Occlusion) bits = kOcclusionBits;
+        if (kind == AttributeKind::Position) bits = kPositionBits;
+        if (kind == AttributeKind::Coordinates || kind == AttributeKind::Color) bits = kCoordinateBits;
+        if (kind == AttributeKind::Radiance) bits = kRadianceBits;
+        if (kind == AttributeKind::Occlusion) bits = kOcclusionBits;
         json[kMeshoptPlan] = {{"filter", "EXPONENTIAL"}, {"bits", bits}};
         roundToExponential(values, view.components, bits);
-        if (kind == Kind::Position || kind == Kind::Delta) setBounds(values, view.components, json);
+        if (kind == AttributeKind::Position || kind == AttributeKind::Delta) setBounds(values, view.components, json);
         return NewView{bytesOf(values)};
     }
 
@@ -251,10 +254,10 @@ private:
         Json& root = patcher_.json["extensions"]["HALFLIGHT_mixed_lighting"];
         if (!root.contains("probes")) return {};
         root["probes"].erase("neighbors"); // they follow from the tetrahedra
-        if (Status s = convert(root["probes"]["radiance"], Kind::Radiance, {}, 0); !s) return s;
+        if (Status s = convert(root["probes"]["radiance"], AttributeKind::Radiance, {}, 0); !s) return s;
         for (const char* name : kOcclusionAccessors) {
             if (!root["probes"].contains(name)) continue;
-            if (Status s = convert(root["probes"][name], Kind::Occlusion, {}, 0); !s) return s;
+            if (Status s = convert(root["probes"][name], AttributeKind::Occlusion, {}, 0); !s) return s;
         }
         return {};
     }
@@ -262,7 +265,7 @@ private:
     DocumentPatcher& patcher_;
     const SourceDocument& source_;
     std::map<int, std::size_t> useCount_; ///< primitives, by accessor
-    std::map<std::tuple<int, Kind, std::size_t>, int> converted_;
+    std::map<std::tuple<int, AttributeKind, std::size_t>, int> converted_;
     std::size_t nextOrder_ = 1;
 };
 

@@ -52,7 +52,7 @@ template<typename Values> bool readNumbers(const Json& json, Values& out, std::s
     return true;
 }
 
-bool readVec3(const Json& json, vec3& out)
+bool readTriple(const Json& json, vec3& out)
 {
     std::array<float, 3> values{};
     if (!readNumbers(json, values, 3)) return false;
@@ -150,15 +150,15 @@ Json SurfaceAtBake::json() const
 std::optional<SurfaceAtBake> SurfaceAtBake::from(const Json& json, const glm::dvec3& shift)
 {
     SurfaceAtBake s;
-    const bool good = readVec3(member(json, "min"), s.low) && readVec3(member(json, "max"), s.high) &&
-                      readVec3(member(json, "centroid"), s.centroid) && readVec3(member(json, "spread"), s.spread) &&
-                      readFloat(member(json, "area"), s.area);
+    const bool good = readTriple(member(json, "min"), s.low) && readTriple(member(json, "max"), s.high) &&
+                      readTriple(member(json, "centroid"), s.centroid) &&
+                      readTriple(member(json, "spread"), s.spread) && readFloat(member(json, "area"), s.area);
     if (!good) return std::nullopt;
     for (vec3* position : {&s.low, &s.high, &s.centroid}) *position = vec3(glm::dvec3(*position) + shift);
     s.switches = kUsualSwitches;
     readNumbers(member(json, "switches"), s.switches, 4);
-    s.hasColors = readVec3(member(json, "color"), s.color);
-    readVec3(member(json, "emission"), s.emission);
+    s.hasColors = readTriple(member(json, "color"), s.color);
+    readTriple(member(json, "emission"), s.emission);
     readFloat(member(json, "opacity"), s.opacity);
     readFloat(member(json, "metallic"), s.metallic);
     return s;

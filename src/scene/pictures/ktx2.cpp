@@ -25,7 +25,7 @@ constexpr std::size_t kHeaderBytes = 80;
 constexpr std::size_t kLevelBytes = 24;
 constexpr uint32_t kMaxSide = 16384;
 
-class Bytes {
+class KtxBytes {
 public:
     void u32(uint32_t value)
     {
@@ -51,7 +51,7 @@ private:
 };
 
 // The head of a basic data format descriptor (Khronos Data Format Specification 1.3, section 5) with so many samples.
-void putDescriptorHead(Bytes& d, uint32_t samples, uint32_t texelBytes)
+void putDescriptorHead(KtxBytes& d, uint32_t samples, uint32_t texelBytes)
 {
     const uint32_t blockBytes = 24 + 16 * samples;
     d.u32(4 + blockBytes);
@@ -69,7 +69,7 @@ void putDescriptorHead(Bytes& d, uint32_t samples, uint32_t texelBytes)
 std::vector<std::byte> rgb9e5Descriptor()
 {
     constexpr uint32_t kQualifierExponent = 0x20;
-    Bytes d;
+    KtxBytes d;
     putDescriptorHead(d, 6, sizeof(uint32_t));
     for (uint32_t channel = 0; channel < 3; ++channel) {
         d.u32(9 * channel | (9 - 1) << 16 | channel << 24);
@@ -88,7 +88,7 @@ std::vector<std::byte> rgb9e5Descriptor()
 std::vector<std::byte> halfDescriptor()
 {
     constexpr uint32_t kSignedFloat = 0xC0;
-    Bytes d;
+    KtxBytes d;
     putDescriptorHead(d, 4, sizeof(uint64_t));
     for (const uint32_t channel : {0u, 1u, 2u, 15u}) { // 15 is alpha
         const uint32_t offset = channel == 15 ? 48 : 16 * channel;
@@ -103,7 +103,7 @@ std::vector<std::byte> halfDescriptor()
 std::vector<std::byte> keyValueData()
 {
     constexpr std::string_view kEntry("KTXwriter\0Halflight\0", 20);
-    Bytes d;
+    KtxBytes d;
     d.u32(uint32_t(kEntry.size()));
     d.text(kEntry);
     d.pad(4);
@@ -153,7 +153,7 @@ Result<std::vector<std::byte>> encode(const Level& level, int zstdLevel)
     const std::size_t keyValueOffset = descriptorOffset + level.descriptor.size();
     const std::size_t dataOffset = keyValueOffset + keyValues.size(); // compressed levels need no alignment
 
-    Bytes file;
+    KtxBytes file;
     for (const uint8_t b : kIdentifier) file.get().push_back(std::byte(b));
     for (const uint32_t v : {level.format, level.typeBytes, uint32_t(level.size.x), uint32_t(level.size.y), 0u, 0u, 1u,
                              1u, kSchemeZstandard}) {

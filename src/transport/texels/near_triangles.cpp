@@ -9,7 +9,7 @@ namespace halflight {
 namespace {
 
 /// Triangles that a box is tested against at most: about as long as the rays take that the test spares.
-constexpr std::size_t kMostTriangles = 64;
+constexpr std::size_t kMostNearTriangles = 64;
 
 /// Separating axes: the box's own and the triangle's normal. Edges are left out, so that triangles near a box's edge
 /// may count as within it.
@@ -43,7 +43,7 @@ NearTriangles::NearTriangles(const RayTracer& tracer, const OrientedBox& box) : 
 {
     const vec3 center = box.worldFromBox * box.bounds.center();
     const float radius = 0.5f * glm::length(box.bounds.size()) + tracer.epsilonAt(center);
-    known_ = tracer.kernels().trianglesNear(center, radius, kMostTriangles, triangles_);
+    known_ = tracer.kernels().trianglesNear(center, radius, kMostNearTriangles, triangles_);
 }
 
 bool NearTriangles::isEmpty(const OrientedBox& box) const

@@ -10,7 +10,7 @@ namespace {
 
 using shading::kInsideSeed;
 using shading::nthBit;
-constexpr int kRays = shading::kValidityRays;
+constexpr int kRaysOfTexel = shading::kValidityRays;
 static_assert(shading::kShellRays == 2 * kMaxTexelPoints);
 
 /// Whether mutually visible points may be behind a shell. Behind one, seven of eight of their rays hit hidden backs.
@@ -48,9 +48,9 @@ bool TexelValidity::insideSolids(const TexelPoints& points, PointMask group, uin
     const int count = std::popcount(group);
     int inside = 0;
     int rayCount = 0;
-    while (rayCount < kRays) {
+    while (rayCount < kRaysOfTexel) {
         const int s = rayCount++;
-        const SurfacePoint& point = points[std::size_t(nthBit(group, s * count / kRays))];
+        const SurfacePoint& point = points[std::size_t(nthBit(group, s * count / kRaysOfTexel))];
         inside += solidsLeft(point, id, s, rays) > 0 ? 1 : 0;
         if (shading::solidIsFound(inside, rayCount)) break;
     }
@@ -89,7 +89,7 @@ PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candi
 {
     std::array<int, kMaxTexelPoints> backs{};
     PointMask open = candidates;
-    for (int s = 0; s < kRays && open != 0; ++s) {
+    for (int s = 0; s < kRaysOfTexel && open != 0; ++s) {
         const PointMask hit = hitBacks(points, open, id, s, rays);
         // One ray of a point may pass through a gap between surfaces.
         for (int p = 0; p < kMaxTexelPoints; ++p) {
@@ -204,11 +204,11 @@ void TexelValidity::testBlock(std::span<BlockTexel> texels, uint64_t& rays) cons
 void TexelValidity::testOne(BlockTexel& t, const NearTriangles& near, uint64_t& rays) const
 {
     PointMask some = 0; // spread over the texel
-    for (int k = 0; k < kRays; ++k) some |= PointMask(1u << (k * t.pointCount / kRays));
+    for (int k = 0; k < kRaysOfTexel; ++k) some |= PointMask(1u << (k * t.pointCount / kRaysOfTexel));
     const auto all = PointMask((1u << t.pointCount) - 1u);
     const bool nothingBetween = near.isEmpty(t.box);
     const int backs = std::popcount(hitBacks(t.points, some, t.id, 0, rays));
-    const bool outsideShells = backs == 0 || (nothingBetween && !manyBacks(backs, kRays));
+    const bool outsideShells = backs == 0 || (nothingBetween && !manyBacks(backs, kRaysOfTexel));
     if (outsideShells && (nothingBetween || visibleFrom(t.points, 0, all, liftOf(t.points), rays) == all))
         t.valid = anySolid_ && insideSolids(t.points, all, t.id, rays) ? PointMask(0) : kAllPoints;
     else if (leavesOpen_)

@@ -17,7 +17,7 @@ constexpr const char* kStage = "validity";
 /// Width of a block of texels that few rays test together: of most blocks all points are mutually visible.
 constexpr int kBlock = 4;
 static_assert(kBlock * kBlock == kMaxTexelPoints, "a point of each texel of a block");
-constexpr std::size_t kGrain = 16; ///< blocks
+constexpr std::size_t kBlockGrain = 16; ///< blocks
 /// Texels of a part that processes share: a few hundredths of a second.
 constexpr std::size_t kPartTexels = 16384;
 
@@ -70,7 +70,7 @@ private:
     {
         std::mutex mutex;
         const bool finished =
-            parallelFor(blocks.size(), kGrain, progress, kStage, [&](std::size_t first, std::size_t last) {
+            parallelFor(blocks.size(), kBlockGrain, progress, kStage, [&](std::size_t first, std::size_t last) {
                 uint64_t traced = 0;
                 Open some{first, {}, {}};
                 for (std::size_t i = first; i < last && !progress.cancelled() && !paths_.surfaces().failed(); ++i) {
