@@ -8,6 +8,7 @@
 #include "halflight/bake_gpu/gpu_integrator.h"
 #endif
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <utility>
@@ -41,14 +42,18 @@ Result<std::shared_ptr<BakeDevice>> opened(const std::string& name, int memoryMe
 }
 
 /// Whether a GPU saves more than it costs to open it, to upload the scene and to copy results: so many samples of the
-/// lightmap for each thread of the processor (docs/lab/gpu.md, "Where a GPU pays"). Path tracing stays on the
-/// processor.
+/// lightmap for each thread of the processor (docs/lab/gpu.md, "Where a GPU pays").
 bool isWorthAGpu(const Scene& scene, const BakeSettings& settings)
 {
-    constexpr double kSamplesOfAThread = 6.0e6;
-    if (settings.integrator == IntegratorKind::Path) return false;
+    constexpr double kSamplesOfAThread = 2.0e6;
     const ThreadLimit limit(settings.threads);
     return expectedSamples(scene, settings) > kSamplesOfAThread * double(threadCount());
+}
+
+bool hasGpu()
+{
+    const auto devices = bakeDevices();
+    return devices && std::ranges::any_of(*devices, [](const auto& d) { return d.refusal.empty(); });
 }
 #endif
 
@@ -73,9 +78,19 @@ Result<IntegratorFactory> integratorsOn(const DeviceChoice& choice, [[maybe_unus
     const bool isAsked = choice.device.starts_with("gpu");
 #if HALFLIGHT_GPU
     if (!isAsked && (choice.device == "cpu" || !isWorthAGpu(scene, settings))) return embreeIntegrators();
+    const std::string why = whyProcessorGathers(scene, settings);
+    if (!isAsked && !why.empty()) {
+        IntegratorFactory integrators = embreeIntegrators();
+        if (hasGpu()) integrators.note = "--device: " + why;
+        return integrators;
+    }
     const bool isNamed = choice.device.starts_with(kNamed);
     auto made = opened(isNamed ? choice.device.substr(kNamed.size()) : std::string(), choice.memoryMegabytes);
-    if (made) return gpuIntegrators(*made);
+    if (made) {
+        IntegratorFactory integrators = gpuIntegrators(*made);
+        if (!why.empty()) integrators.note = "--device: " + why;
+        return integrators;
+    }
     if (isAsked) return made.error();
 #else
     if (isAsked)

@@ -1,4 +1,5 @@
 #include "bake/settings/quality.h"
+#include "scene/model/tint.h"
 
 #include <algorithm>
 
@@ -116,6 +117,19 @@ BakeQuality qualityOf(const BakeSettings& settings, const Scene& scene)
     BakeQuality q = resolveQuality(settings);
     if (!settings.directional && !q.directional) q.directional = metalShare(scene) >= kMuchMetal;
     return q;
+}
+
+std::string whyProcessorGathers(const Scene& scene, const BakeSettings& settings)
+{
+    if (settings.integrator == IntegratorKind::Path) return "the processor gathers light: --integrator path is its own";
+    const auto lightHas = [](const Light& light) { return !light.group.empty() || !light.directions.empty(); };
+    const bool named = std::ranges::any_of(scene.lights, lightHas) || !scene.sky.group.empty() || scene.sky.changes ||
+                       std::ranges::any_of(scene.materials, [](const Material& m) { return !m.group.empty(); });
+    if (settings.groups == GroupChoice::Each || (settings.groups == GroupChoice::Authored && named))
+        return "the processor gathers light by light group; --groups off bakes the sum on the GPU";
+    if (std::ranges::any_of(scene.materials, tintsLight))
+        return "the processor traces all rays, because glass of the scene has a colour";
+    return {};
 }
 
 } // namespace halflight

@@ -3,6 +3,7 @@
 #include "bake/lights/group_states.h"
 #include "bake/test_scene.h"
 
+#include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/scene/gltf.h"
 
 #include <gmock/gmock.h>
@@ -263,6 +264,19 @@ TEST(LightGroupsOfLampsS33, WhatHasNoGroupsSaysSo)
     const auto weights = groupWeights(none, {{"lamp", vec3(1)}});
     ASSERT_FALSE(weights);
     EXPECT_THAT(weights.error().text(), HasSubstr("has no light group \"lamp\""));
+}
+
+TEST(LightGroupsOfLampsS33, WhyAGpuGathersNothingIsAWarning)
+{
+    BakeSettings settings = settingsOf(1);
+    settings.texelsPerMeter = 1.0f;
+    settings.probeSpacingMeters = 4.0f;
+    IntegratorFactory integrators = embreeIntegrators();
+    integrators.note = whyProcessorGathers(rooms(), settings);
+    EXPECT_THAT(integrators.note, HasSubstr("--groups off"));
+    const Result<BakeResult> result = bake(rooms(), settings, integrators);
+    ASSERT_TRUE(result);
+    EXPECT_THAT(result->report.warnings, testing::Contains(integrators.note));
 }
 
 } // namespace

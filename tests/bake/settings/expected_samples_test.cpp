@@ -1,4 +1,4 @@
-// How many samples a lightmap will take, by which a device is chosen: area times density, or what fits a page.
+// By what a device is chosen: how many samples a lightmap will take, and whether a GPU can gather its light.
 
 #include "bake/test_scene.h"
 
@@ -50,6 +50,33 @@ TEST(ExpectedSamples, AreLimitedByAPage)
     // A scene of 3.6 m has 256 texels along its diagonal on a page of 2048, medium's.
     const double perMeter = 256.0 / std::sqrt(13.0);
     EXPECT_NEAR(expectedSamples(floorScene(), sampled(10)), 6.0 * perMeter * perMeter * 10.0, 10.0);
+}
+
+TEST(ProcessorGathers, LightOfGroupsS33)
+{
+    BakeSettings settings;
+    Scene scene = floorScene();
+    EXPECT_EQ(whyProcessorGathers(scene, settings), "");
+    settings.groups = GroupChoice::Each;
+    EXPECT_NE(whyProcessorGathers(scene, settings), "");
+    settings.groups = GroupChoice::Authored;
+    scene.sky.changes = true;
+    EXPECT_NE(whyProcessorGathers(scene, settings), "");
+    scene.sky.changes = false;
+    scene.materials[0].group = "lamps";
+    EXPECT_NE(whyProcessorGathers(scene, settings), "");
+    settings.groups = GroupChoice::Off;
+    EXPECT_EQ(whyProcessorGathers(scene, settings), "");
+}
+
+TEST(ProcessorGathers, LightThroughColoredGlassS35)
+{
+    Scene scene = floorScene();
+    scene.materials[0].transmission = 1.0f;
+    scene.materials[0].baseColor = vec4(1.0f);
+    EXPECT_EQ(whyProcessorGathers(scene, {}), "");
+    scene.materials[0].baseColor = vec4(1.0f, 0.2f, 0.2f, 1.0f);
+    EXPECT_NE(whyProcessorGathers(scene, {}), "");
 }
 
 } // namespace
