@@ -118,17 +118,6 @@ uint invocation()
 }
 #endif
 
-// A ray that is not traced.
-GpuRay noRay()
-{
-    GpuRay ray;
-    ray.origin = vec3(0.0);
-    ray.tMin = 0.0;
-    ray.direction = vec3(0.0, 0.0, 1.0);
-    ray.tMax = -1.0;
-    return ray;
-}
-
 // A ray to where next-event estimation has chosen a point.
 GpuRay rayTo(vec3 origin, NextEventContribution next)
 {

@@ -88,4 +88,15 @@ bool passesByChance(uint triangle, float coverage, vec3 origin, vec3 direction)
     return unitFloat(bits) >= coverage;
 }
 
+// A ray that is not traced.
+GpuRay noRay()
+{
+    GpuRay ray;
+    ray.origin = vec3(0.0);
+    ray.tMin = 0.0;
+    ray.direction = vec3(0.0, 0.0, 1.0);
+    ray.tMax = -1.0;
+    return ray;
+}
+
 #endif

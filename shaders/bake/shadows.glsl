@@ -68,16 +68,6 @@ uint rayCount()
     return raysOfChunks(push.lists.itemCount, kShadowHalf);
 }
 
-GpuRay noRay()
-{
-    GpuRay ray;
-    ray.origin = vec3(0.0);
-    ray.tMin = 0.0;
-    ray.direction = vec3(0.0, 0.0, 1.0);
-    ray.tMax = -1.0;
-    return ray;
-}
-
 // StratifiedPattern::disc().
 vec2 discPoint(uint texelHash, uint number)
 {
