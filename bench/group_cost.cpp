@@ -2,10 +2,7 @@
 
 #include "group_cost.h"
 
-#include "bake/geometry/indices.h"
 #include "bake/group_stages.h"
-
-#include "halflight/bake_cpu/embree_integrator.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -13,33 +10,14 @@
 namespace halflight::bench {
 namespace {
 
-struct GroupRun {
-    Run all;
-    std::vector<std::vector<IrradianceEstimate>> components;
-};
-
-/// `components`: of no group as well, which is the first.
-GroupRun integrateGroups(const Prepared& p, IntegrationSettings settings, const LightComponents& components)
+/// Estimates of one component.
+std::vector<IrradianceEstimate> estimatesOf(const Run& run, int component)
 {
-    settings.components = components;
-    GroupRun run;
-    auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
-    if (!made) std::exit(1);
-    const auto count = std::size_t(components.count);
-    run.all.estimates.resize(p.map.texels.size());
-    std::vector<IrradianceEstimate> found(p.map.texels.size() * count);
-    TexelMap valid = p.map;
-    const double start = cpuSeconds();
-    const bool done = (*made)->findValidPoints(valid, nullptr, {}) &&
-                      (*made)
-                          ->prepare(valid, nullptr)
-                          ->irradianceByComponent({allIndices(p.map.texels.size())}, run.all.estimates, found, {});
-    if (!done) std::exit(1);
-    run.all.cpu = cpuSeconds() - start;
-    run.all.rays = (*made)->raysTraced();
-    run.components.resize(count);
-    for (std::size_t i = 0; i < found.size(); ++i) run.components[i % count].push_back(found[i]);
-    return run;
+    const std::size_t count = run.components.size() / run.estimates.size();
+    std::vector<IrradianceEstimate> own;
+    for (std::size_t i = 0; i < run.estimates.size(); ++i)
+        own.push_back(run.components[i * count + std::size_t(component)]);
+    return own;
 }
 
 /// The scene with the light of one component alone.
@@ -79,13 +57,15 @@ void partGroups(const Options& options)
         IntegrationSettings settings = options.integration();
         settings.samples = options.samples > 0 ? options.samples : 64;
         const Run without = integrate(p, p.map, settings);
-        const GroupRun with = integrateGroups(p, settings, components);
+        IntegrationSettings grouped = settings;
+        grouped.components = components;
+        const Run with = integrate(p, p.map, grouped);
         std::printf("%s: %d groups, %.2f times the rays, %.2f times the CPU seconds\n", name.c_str(),
-                    components.count - 1, double(with.all.rays) / double(without.rays), with.all.cpu / without.cpu);
+                    components.count - 1, double(with.rays) / double(without.rays), with.cpu / without.cpu);
         std::printf("%16s %8s %10s %10s %8s\n", "group", "share", "own bake", "in groups", "ratio");
-        const double all = meanOf(with.all.estimates);
+        const double all = meanOf(with.estimates);
         for (int c = 0; c < components.count; ++c) {
-            const auto& own = with.components[std::size_t(c)];
+            const std::vector<IrradianceEstimate> own = estimatesOf(with, c);
             const Prepared alone{onlyOf(p.scene, components, c), p.geometry, p.map};
             IntegrationSettings fine = settings;
             fine.samples *= kTruthTimes;

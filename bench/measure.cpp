@@ -49,10 +49,13 @@ Run integrate(const Prepared& p, const TexelMap& map, const IntegrationSettings&
     auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
     if (!made) std::exit(1);
     run.estimates.resize(map.texels.size());
+    run.components.resize(map.texels.size() * std::size_t(settings.components.count));
     TexelMap valid = map;
     const double start = cpuSeconds();
     const bool done = (*made)->findValidPoints(valid, nullptr, {}) &&
-                      (*made)->prepare(valid, nullptr)->irradiance({allIndices(map.texels.size())}, run.estimates, {});
+                      (*made)
+                          ->prepare(valid, nullptr)
+                          ->irradianceByComponent({allIndices(map.texels.size())}, run.estimates, run.components, {});
     if (!done) std::exit(1);
     run.cpu = cpuSeconds() - start;
     run.rays = (*made)->raysTraced();

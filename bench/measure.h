@@ -37,6 +37,7 @@ TexelMap subsetOf(const TexelMap& map, int texels, std::vector<uint32_t>& chosen
 
 struct Run {
     std::vector<IrradianceEstimate> estimates;
+    std::vector<IrradianceEstimate> components; ///< by texel and component, where the settings have some
     double cpu = 0.0;
     uint64_t rays = 0;
 };

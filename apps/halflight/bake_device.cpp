@@ -79,18 +79,14 @@ Result<IntegratorFactory> integratorsOn(const DeviceChoice& choice, [[maybe_unus
 #if HALFLIGHT_GPU
     if (!isAsked && (choice.device == "cpu" || !isWorthAGpu(scene, settings))) return embreeIntegrators();
     const std::string why = whyProcessorGathers(scene, settings);
-    if (!isAsked && !why.empty()) {
-        IntegratorFactory integrators = embreeIntegrators();
-        if (hasGpu()) integrators.note = "--device: " + why;
-        return integrators;
-    }
-    const bool isNamed = choice.device.starts_with(kNamed);
-    auto made = opened(isNamed ? choice.device.substr(kNamed.size()) : std::string(), choice.memoryMegabytes);
-    if (made) {
-        IntegratorFactory integrators = gpuIntegrators(*made);
+    const auto noted = [&](IntegratorFactory integrators) {
         if (!why.empty()) integrators.note = "--device: " + why;
         return integrators;
-    }
+    };
+    if (!isAsked && !why.empty()) return hasGpu() ? noted(embreeIntegrators()) : embreeIntegrators();
+    const bool isNamed = choice.device.starts_with(kNamed);
+    auto made = opened(isNamed ? choice.device.substr(kNamed.size()) : std::string(), choice.memoryMegabytes);
+    if (made) return noted(gpuIntegrators(*made));
     if (isAsked) return made.error();
 #else
     if (isAsked)

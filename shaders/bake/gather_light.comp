@@ -31,7 +31,8 @@ GpuOpen openRay(uint block, int stratum, GpuRay ray, GpuHit hit)
     return open;
 }
 
-// The light of a gather ray, but for what emitters send along it (emitters/hits.comp): FinalGather::weightHits(). True where it is a path's; then `open` is set.
+// The light of a gather ray, but for what emitters send along it (emitters/hits.comp): FinalGather::weightHits(). True
+// where it is a path's; then `open` is set.
 bool gatherLight(uint i, out GpuOpen open)
 {
     uint block;

@@ -6,7 +6,7 @@
 
 layout(local_size_x = 64) in;
 
-// Guides::guideNumberAt().
+// Number of the guide at a point: Guides::guideAt().
 uint guideAt(TexelPoint point)
 {
     if (point.fragment.hitIndex == kNone) return kNone;

@@ -74,8 +74,8 @@ int levelsAbove(uint leaf)
     return levels;
 }
 
-// DirectLight::weightedEmission(): what the end of a ray emits along it. `pdfArea`: of samples of emitters where the ray
-// began.
+// DirectLight::weightedEmission(): what the end of a ray emits along it. `pdfArea`: of samples of emitters where the
+// ray began.
 vec3 weightedEmission(PathSurface s, vec3 direction, float distance, float directionPdf, float pdfArea)
 {
     float cosine = abs(dot(s.geometricNormal, direction));

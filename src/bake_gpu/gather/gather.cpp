@@ -61,8 +61,7 @@ std::vector<vec3> normalsOf(const RayTracer& surfaces)
 /// Buffers of one call. The lists that the processor writes and reads are in its memory, and the device reaches them
 /// there: each of their bytes is used once.
 struct GpuGather::Workspace {
-    /// `emission`: there are emitters or a bright part of the sky; `cutNodes`: of a texel's cut.
-    Workspace(gpu::Device& device, const GatherTables& tables, bool emission, std::size_t cutNodes)
+    Workspace(gpu::Device& device, const GatherTables& tables)
         : map(device, tables.paths.surfaces().geometry(), kMostBlocks, tables.cache.layout().hitIndexOfTriangle),
           requests(device, kMostBlocks * sizeof(Texel), gpu::kAddressed, gpu::MemoryUse::Upload),
           texels(device, kMostBlocks * sizeof(GpuGatherTexel), gpu::kAddressed, gpu::MemoryUse::Device),
@@ -80,11 +79,12 @@ struct GpuGather::Workspace {
           openBefore(device, kMostRays / kGroupSize * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback),
           counts(device, kCounters * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
     {
-        if (!emission) return;
+        const SceneLight& light = tables.paths.light();
+        if (!light.samplesEmission()) return;
         const auto make = [&](std::size_t bytes, gpu::MemoryUse use) {
             return gpu::Buffer(device, kMostBlocks * bytes, gpu::kAddressed, use);
         };
-        if (cutNodes > 0) {
+        if (const std::size_t cutNodes = light.emitters().tree().cutNodes(); cutNodes > 0) {
             cuts = make(cutNodes * sizeof(GpuCutNode), gpu::MemoryUse::Device);
             cutTotals = make(sizeof(float), gpu::MemoryUse::Device);
         }
@@ -159,8 +159,7 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.all.turn = skyLight.turn();
     t.all.limit = skyLight.limit();
     tables_ = bufferOf(on, std::span<const Tables>(&t, 1));
-    const std::size_t cutNodes = std::min(LightTree::Cut::kMaxNodes, tables.paths.light().emitters().all().size());
-    workspace_ = std::make_unique<Workspace>(on, tables, emitters_ != nullptr, cutNodes);
+    workspace_ = std::make_unique<Workspace>(on, tables);
 }
 
 Status GpuGather::gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,

@@ -6,7 +6,6 @@
 #include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 
-#include <algorithm>
 #include <array>
 
 namespace halflight {
@@ -142,7 +141,7 @@ void PathTables::addLights(gpu::Device& device, const GpuScene& scene, const Gat
     to.emitterTree = keep(device, light.emitters().tree().nodes());
     to.leafOfEmitter = keep(device, light.emitters().tree().leafOfItem());
     to.all.emitterNodes = uint32_t(light.emitters().tree().nodes().size());
-    to.all.cutNodes = uint32_t(std::min(LightTree::Cut::kMaxNodes, emitters.size()));
+    to.all.cutNodes = uint32_t(light.emitters().tree().cutNodes());
     to.brightAreas = keep(device, light.sky().brightAreas());
     to.brightBins = keep(device, light.sky().brightBins());
     to.all.brightAreas = uint32_t(light.sky().brightAreas().size());

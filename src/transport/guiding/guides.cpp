@@ -19,17 +19,12 @@ template<typename IsBefore> std::size_t lastBefore(std::size_t first, std::size_
 
 } // namespace
 
-uint32_t Guides::guideNumberAt(const PatchLayout& layout, const SurfacePoint& point) const
-{
-    FaceId face;
-    if (empty() || !layout.faceOf(point.triangle, false, face) || !layout.hasPatches(face)) return ~0u;
-    const PatchId patch = layout.patchAt(face, point.barycentric);
-    return patch < guideOfPatch_.size() ? guideOfPatch_[patch] : ~0u;
-}
-
 Guide Guides::guideAt(const PatchLayout& layout, const SurfacePoint& point) const
 {
-    const uint32_t number = guideNumberAt(layout, point);
+    FaceId face;
+    if (empty() || !layout.faceOf(point.triangle, false, face) || !layout.hasPatches(face)) return {};
+    const PatchId patch = layout.patchAt(face, point.barycentric);
+    const uint32_t number = patch < guideOfPatch_.size() ? guideOfPatch_[patch] : ~0u;
     return number != ~0u ? guides_[number] : Guide{};
 }
 

@@ -41,8 +41,7 @@ public:
     /// Whether no source is sampled.
     [[nodiscard]] bool empty() const { return clusters_.empty(); }
     [[nodiscard]] const LightClusters& clusters() const { return clusters_; }
-    /// Guide at a point of a front, and its index or ~0.
-    [[nodiscard]] uint32_t guideNumberAt(const PatchLayout& layout, const SurfacePoint& point) const;
+    /// Guide at a point of a front; without sources where there is none.
     [[nodiscard]] Guide guideAt(const PatchLayout& layout, const SurfacePoint& point) const;
 
     /// A cluster of a list, with the probability that it is chosen.

@@ -102,7 +102,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         }
     };
     set({}, {});
-    const std::size_t nodes = std::min(Cut::kMaxNodes, leafOfItem_.size());
+    const std::size_t nodes = cutNodes();
     for (cut.count = 1; cut.count < nodes; ++cut.count) {
         Weights most = toOpen[0];
         Cut::Lanes<uint32_t> widest{};

@@ -74,6 +74,8 @@ public:
         std::array<Lanes<float>, kMaxNodes> below; ///< cumulative probability of the nodes before
     };
     using Points = Vec3Lanes;
+    /// Of each cut: Cut::count.
+    [[nodiscard]] std::size_t cutNodes() const { return std::min(Cut::kMaxNodes, leafOfItem_.size()); }
     [[nodiscard]] Cut cut(const Points& positions, const Points& normals) const;
     /// Chooses a light for the lanes in `wanted`; the other lanes have none.
     void sample(const Cut& cut, const Points& positions, const Points& normals, const Cut::Lanes<bool>& wanted,

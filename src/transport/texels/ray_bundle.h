@@ -18,29 +18,6 @@ struct RayBundle {
     std::array<OfStratum<Ray>, StratifiedPattern::kBlock> rays;    ///< by stratum and lane
     std::array<OfStratum<RayHit>, StratifiedPattern::kBlock> hits; ///< the same
 
-    /// Sets origins and frames of the given strata of block `number`. Lanes without a texel get those of another lane.
-    void place(const GatherGroup& group, int number, std::span<const uint8_t> strata)
-    {
-        flat_ = group.flat();
-        const int any = group.firstActive();
-        if (any == group.lanes()) return;
-        for (const uint8_t stratum : strata) {
-            Frames& frame = frames_[flat_ ? 0 : stratum];
-            const bool setFrame = !flat_ || stratum == strata.front();
-            for (int lane = 0; lane < kLanes; ++lane) {
-                const int from = group.active(lane) ? lane : any;
-                const GatherGroup::Origin& s = group.origin(from, group.pointOf(from, number, stratum));
-                const auto l = std::size_t(lane);
-                rays[stratum][l].origin = s.position;
-                if (!setFrame) continue;
-                frame.tangent.set(l, s.tangent);
-                frame.bitangent.set(l, s.bitangent);
-                frame.normal.set(l, s.normal);
-                frame.geometricNormal.set(l, s.geometricNormal);
-            }
-        }
-    }
-
     /// Traces the given strata of block `number`; uses of one texel differ in `seed`. Returns the number of rays.
     int trace(const PathTracer& paths, const StratifiedPattern& pattern, const GatherGroup& group, uint32_t seed,
               int number, std::span<const uint8_t> strata)
@@ -96,6 +73,29 @@ struct RayBundle {
     }
 
 private:
+    /// Sets origins and frames of the given strata of block `number`. Lanes without a texel get those of another lane.
+    void place(const GatherGroup& group, int number, std::span<const uint8_t> strata)
+    {
+        flat_ = group.flat();
+        const int any = group.firstActive();
+        if (any == group.lanes()) return;
+        for (const uint8_t stratum : strata) {
+            Frames& frame = frames_[flat_ ? 0 : stratum];
+            const bool setFrame = !flat_ || stratum == strata.front();
+            for (int lane = 0; lane < kLanes; ++lane) {
+                const int from = group.active(lane) ? lane : any;
+                const GatherGroup::Origin& s = group.origin(from, group.pointOf(from, number, stratum));
+                const auto l = std::size_t(lane);
+                rays[stratum][l].origin = s.position;
+                if (!setFrame) continue;
+                frame.tangent.set(l, s.tangent);
+                frame.bitangent.set(l, s.bitangent);
+                frame.normal.set(l, s.normal);
+                frame.geometricNormal.set(l, s.geometricNormal);
+            }
+        }
+    }
+
     std::array<Frames, StratifiedPattern::kBlock> frames_;
     bool flat_ = true; ///< all strata have the frames of stratum 0
 };
