@@ -4,6 +4,7 @@
 
 #include "bake/group_stages.h"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -39,6 +40,18 @@ double meanOf(const std::vector<IrradianceEstimate>& estimates)
     return sum;
 }
 
+std::vector<IntegrationSettings> withSeeds(const IntegrationSettings& settings, int count)
+{
+    std::vector<IntegrationSettings> all(std::size_t(count), settings);
+    for (int i = 0; i < count; ++i) all[std::size_t(i)].seed = uint32_t(1 + i);
+    return all;
+}
+
+double squared(double x)
+{
+    return x * x;
+}
+
 } // namespace
 
 void partGroups(const Options& options)
@@ -59,23 +72,28 @@ void partGroups(const Options& options)
         const Run without = integrate(p, p.map, settings);
         IntegrationSettings grouped = settings;
         grouped.components = components;
-        const Run with = integrate(p, p.map, grouped);
+        std::vector<Run> with;
+        for (const IntegrationSettings& seeded : withSeeds(grouped, options.seeds))
+            with.push_back(integrate(p, p.map, seeded));
         std::printf("%s: %d groups, %.2f times the rays, %.2f times the CPU seconds\n", name.c_str(),
-                    components.count - 1, double(with.rays) / double(without.rays), with.cpu / without.cpu);
+                    components.count - 1, double(with[0].rays) / double(without.rays), with[0].cpu / without.cpu);
         std::printf("%16s %8s %10s %10s %8s\n", "group", "share", "own bake", "in groups", "ratio");
-        const double all = meanOf(with.estimates);
+        const double all = meanOf(with[0].estimates);
         for (int c = 0; c < components.count; ++c) {
-            const std::vector<IrradianceEstimate> own = estimatesOf(with, c);
             const Prepared alone{onlyOf(p.scene, components, c), p.geometry, p.map};
             IntegrationSettings fine = settings;
             fine.samples *= kTruthTimes;
             fine.seed = 77;
             const std::vector<IrradianceEstimate> truth = integrate(alone, alone.map, fine).estimates;
-            const double best = compare(integrate(alone, alone.map, settings).estimates, nullptr, truth).rmse;
-            const double error = compare(own, nullptr, truth).rmse;
+            double best = 0.0; // squares
+            double error = 0.0;
+            for (const IntegrationSettings& seeded : withSeeds(settings, options.seeds))
+                best += squared(compare(integrate(alone, alone.map, seeded).estimates, nullptr, truth).rmse);
+            for (const Run& run : with) error += squared(compare(estimatesOf(run, c), nullptr, truth).rmse);
             std::printf("%16s %7.1f%% %9.2f%% %9.2f%% %8.2f\n",
                         c == 0 ? "(rest)" : grouping->groups[std::size_t(c - 1)].name.c_str(),
-                        100.0 * meanOf(own) / all, 100.0 * best, 100.0 * error, error / best);
+                        100.0 * meanOf(truth) / all, 100.0 * std::sqrt(best / options.seeds),
+                        100.0 * std::sqrt(error / options.seeds), std::sqrt(error / best));
             std::fflush(stdout);
         }
     }

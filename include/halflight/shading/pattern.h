@@ -45,13 +45,13 @@ HL_FN int gatherPointOf(uint texelId, int pointCount, int block, int stratum)
     return pointCount == kPatternBlock ? number : (block * kPatternBlock + number) % pointCount;
 }
 
-// Whether a texel that takes `samples` samples of a block's sources takes one in a stratum: a quarter or half of a
-// block is one or two strata in each row and column of the pattern.
+// Whether a texel that takes `samples` samples of a block's sources, in quarters of it, takes one in a stratum: each
+// quarter of a block is one stratum in each row and column of the pattern.
 HL_FN bool takesSourceSample(int samples, int block, int stratum)
 {
     int diagonal = ((stratum >> 2) ^ stratum ^ block) & 3;
-    return samples == kPatternBlock || (samples == kPatternBlock / 2 && (diagonal & 1) == 0) ||
-           (samples == kPatternBlock / 4 && diagonal == 0);
+    int quarter = ((diagonal & 1) << 1) | (diagonal >> 1); // two quarters are every other diagonal
+    return quarter * (kPatternBlock / 4) < samples;
 }
 
 // Position of a stratum, 0...15, in an order whose first strata are spread evenly: every pair has one stratum in each

@@ -12,7 +12,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 47; ///< raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 48; ///< raised when estimates of the same input change
 
 /// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
 constexpr double kCheckTolerance = 0.005;

@@ -125,7 +125,7 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.patches = keep(tables.cache.patches());
     t.guideOfPatch = keep(tables.guides.guideOfPatch());
     std::vector<uint32_t> sources;
-    for (const Guide& guide : tables.guides.guides()) sources.push_back(uint32_t(sourceSamplesOf(guide)));
+    for (const Guide& guide : tables.guides.guides()) sources.push_back(uint32_t(sourceSamplesOf(guide, false)));
     anySources_ = std::any_of(sources.begin(), sources.end(), [](uint32_t samples) { return samples > 0; });
     t.sourcesOfGuide = keep(sources);
     t.guides = keep(tables.guides.guides());

@@ -5,12 +5,13 @@
 
 namespace halflight {
 
-int sourceSamplesOf(const Guide& guide)
+int sourceSamplesOf(const Guide& guide, bool hasComponents)
 {
     constexpr int kAll = StratifiedPattern::kBlock;
+    const int most = hasComponents ? 3 * kAll / 4 : kAll;
     if (guide.local.count + guide.shared.count == 0) return 0;
     const float deviation = std::sqrt(guide.relativeVariance);
-    return deviation >= 2.0f ? kAll : deviation >= 1.0f ? kAll / 2 : kAll / 4;
+    return deviation >= 2.0f ? most : deviation >= 1.0f ? kAll / 2 : kAll / 4;
 }
 
 void NextEvent::prepareEmitters(const GatherGroup& group)
@@ -36,7 +37,7 @@ void NextEvent::prepareSources(const GatherGroup& group)
         const auto lane = std::size_t(i);
         const Guide guide = guides_->guideAt(cache_->layout(), group.point(i, 0));
         guide_[lane] = guide;
-        sourceSamples_[lane] = sourceSamplesOf(guide);
+        sourceSamples_[lane] = sourceSamplesOf(guide, cache_->componentCount() > 0);
     }
 }
 

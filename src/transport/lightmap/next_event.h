@@ -15,8 +15,9 @@ inline constexpr uint32_t kRouletteSeed = 0x5eed0007u;
 inline constexpr uint32_t kSourceSeed = 0x5eed0008u;
 
 /// Samples of a guide's sources in a block: in proportion to the standard deviation that the rays would have due to
-/// them (Neyman allocation), in powers of two from a quarter of the block on.
-int sourceSamplesOf(const Guide& guide);
+/// them (Neyman allocation), in powers of two from a quarter of the block on. With components, the most are three
+/// quarters: the noisiest decides in nearly all places, and may have twice the noise of its own bake (spec S33).
+int sourceSamplesOf(const Guide& guide, bool hasComponents);
 
 /// Rays, sums and lookups of the block that is being gathered.
 struct GatherBlock {

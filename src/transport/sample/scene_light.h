@@ -168,11 +168,12 @@ SceneLight::chooseComponent(const SurfacePoint& point, Sampler& sampler, Contrib
     constexpr std::size_t kMost = kMostLightGroups + 1;
     std::array<LightChoice, kMost> choices;
     std::array<float, kMost> totals{};
+    const float within = sampler.next1(); // of a component, one of which is chosen
     const vec2 disc = shading::sampleDisc(sampler.next2());
     float all = 0.0f;
     int reaching = 0;
     for (std::size_t c = 0; c < choosers_.size(); ++c) {
-        choices[c] = chooseFrom(choosers_[c], point, sampler.next1(), disc, sampler, contribution, totals[c]);
+        choices[c] = chooseFrom(choosers_[c], point, within, disc, sampler, contribution, totals[c]);
         all += totals[c];
         reaching += totals[c] > 0.0f ? 1 : 0;
     }
