@@ -38,12 +38,12 @@ std::string nameOf(const testing::TestParamInfo<std::string>& info)
     return name;
 }
 
-BakeSettings settingsOf(uint32_t seed)
+BakeSettings settingsOf(uint32_t seed, int lightmapSize)
 {
     BakeSettings settings;
     settings.samples = 32;
     settings.shadowSamples = 16;
-    settings.lightmapSize = 128;
+    settings.lightmapSize = lightmapSize;
     settings.probeLayout = ProbeLayout::Grid;
     settings.reflectionProbes = false;
     settings.seed = seed;
@@ -87,6 +87,24 @@ Values valuesOf(const BakeResult& result)
     return values;
 }
 
+/// Size of pages: larger ones where a mesh has too many charts for small ones.
+int lightmapSizeOf(const Scene& scene)
+{
+    constexpr int kSmall = 128;
+    return bake(scene, settingsOf(1, kSmall), embreeIntegrators()) ? kSmall : 2 * kSmall;
+}
+
+/// Probability of a |t| at least as large by chance, with the 7 degrees of freedom of eight pairs (Student 1908;
+/// Abramowitz and Stegun 1964, 26.7.3).
+double chanceOf(double t)
+{
+    static_assert(kSeeds == 8);
+    const double angle = std::atan(t / std::sqrt(7.0));
+    const double c = std::cos(angle);
+    const double within = angle + std::sin(angle) * (c + 2.0 / 3.0 * std::pow(c, 3.0) + 8.0 / 15.0 * std::pow(c, 5.0));
+    return 1.0 - within * 2.0 / double(kPi);
+}
+
 /// By block: what both have, for each seed.
 struct Pairs {
     std::string name;
@@ -115,7 +133,9 @@ struct Pairs {
         std::cout << "    " << name << ": " << differences.size() << " blocks, mean differs by "
                   << 100.0 * difference / mean << " %, largest t " << std::max(worst, 0.0) << "\n";
         EXPECT_LE(std::abs(difference), 0.001 * mean) << name;
-        EXPECT_LE(worst, 5.0) << name;
+        // The largest of many blocks: once in a thousand runs by chance.
+        const auto count = double(std::max(differences.size(), std::size_t(1)));
+        EXPECT_GE(chanceOf(std::max(worst, 0.0)), 0.001 / count) << name << ": t " << worst;
     }
 };
 
@@ -128,9 +148,10 @@ TEST_P(WholeBakesS6, HaveTheProcessorsLight)
     Pairs light{"light"};
     Pairs masks{"masks"};
     Pairs probes{"probes"};
+    const int size = lightmapSizeOf(*scene);
     for (uint32_t seed = 1; seed <= kSeeds; ++seed) {
-        const Result<BakeResult> cpu = bake(*scene, settingsOf(seed), embreeIntegrators());
-        const Result<BakeResult> gpu = bake(*scene, settingsOf(seed), gpuIntegrators(device));
+        const Result<BakeResult> cpu = bake(*scene, settingsOf(seed, size), embreeIntegrators());
+        const Result<BakeResult> gpu = bake(*scene, settingsOf(seed, size), gpuIntegrators(device));
         ASSERT_TRUE(cpu) << cpu.error().text();
         ASSERT_TRUE(gpu) << gpu.error().text();
         ASSERT_TRUE(gpu->report.identity.starts_with("gpu-")) << gpu->report.identity;
