@@ -54,7 +54,7 @@ Image<uint32_t> encodeRgb9e5(const ImageRgb32f& picture, float unit)
 ImageRgb32f decodeRgb9e5(const Image<uint32_t>& page, float unit)
 {
     ImageRgb32f decoded(page.width(), page.height());
-    for (std::size_t i = 0; i < page.texelCount(); ++i) decoded.data()[i] = unit * unpackRgb9e5(page.data()[i]);
+    forEachIndex(page.texelCount(), [&](std::size_t i) { decoded.data()[i] = unit * unpackRgb9e5(page.data()[i]); });
     return decoded;
 }
 

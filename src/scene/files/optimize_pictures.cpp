@@ -132,7 +132,10 @@ Result<Lightmaps> readLightmaps(const SourceDocument& source, const std::vector<
 
 void addError(const Lightmaps& lightmaps, std::size_t page, const Image<uint32_t>& smaller, OptimizeReport& report)
 {
-    const LightmapError error = lightmapError(decodeRgb9e5(lightmaps.pages[page]), decodeRgb9e5(smaller));
+    const auto texelsOf = [](const Image<uint32_t>& of) {
+        return [&of](std::size_t i) { return unpackRgb9e5(of.texels()[i]); };
+    };
+    const LightmapError error = lightmapError(smaller.texelCount(), texelsOf(lightmaps.pages[page]), texelsOf(smaller));
     report.lightmapError += error.mean / double(lightmaps.pages.size());
     report.lightmapErrorMost = std::max(report.lightmapErrorMost, error.most);
 }

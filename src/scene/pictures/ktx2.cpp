@@ -1,5 +1,6 @@
 #include "scene/pictures/ktx2.h"
 
+#include "halflight/base/parallel.h"
 #include "halflight/base/rgb9e5.h"
 
 #include <algorithm>
@@ -198,16 +199,15 @@ Image<uint64_t> halfTexels(const ImageRgb32f& page)
 {
     constexpr float kMaxHalf = 65504.0f;
     Image<uint64_t> half(page.width(), page.height());
-    for (std::size_t i = 0; i < page.texelCount(); ++i)
+    forEachIndex(half.texelCount(), [&](std::size_t i) {
         half.texels()[i] = glm::packHalf4x16(vec4(glm::clamp(page.texels()[i], 0.0f, kMaxHalf), 1.0f));
+    });
     return half;
 }
 
-ImageRgb32f floatsOf(const Image<uint64_t>& half)
+vec3 floatsOf(uint64_t half)
 {
-    ImageRgb32f page(half.width(), half.height());
-    for (std::size_t i = 0; i < half.texelCount(); ++i) page.texels()[i] = vec3(glm::unpackHalf4x16(half.texels()[i]));
-    return page;
+    return {glm::unpackHalf4x16(half)};
 }
 
 void roundMantissas(Image<uint32_t>& image, int bits)
@@ -262,8 +262,7 @@ Result<Image<uint32_t>> decodeKtx2(std::span<const std::byte> bytes)
     Image<uint64_t> half{int(width), int(height)};
     if (!unpackLevel(level, scheme, std::as_writable_bytes(std::span(half.texels()))))
         return broken("its compressed level is damaged");
-    for (std::size_t i = 0; i < half.texelCount(); ++i)
-        image.texels()[i] = packRgb9e5(vec3(glm::unpackHalf4x16(half.texels()[i])));
+    for (std::size_t i = 0; i < half.texelCount(); ++i) image.texels()[i] = packRgb9e5(floatsOf(half.texels()[i]));
     return image;
 }
 

@@ -2,12 +2,14 @@
 
 #include "halflight/base/math.h"
 #include "halflight/base/mathematics.h"
+#include "halflight/base/parallel.h"
 #include "halflight/base/rgb9e5.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 namespace halflight {
 
@@ -69,10 +71,10 @@ LightmapCurve bestCurve(std::span<const Image<uint32_t>> pages)
 ImageRgba8 encodeByCurve(const Image<uint32_t>& rgb9e5, const LightmapCurve& curve)
 {
     ImageRgba8 image(rgb9e5.width(), rgb9e5.height());
-    for (std::size_t i = 0; i < rgb9e5.texelCount(); ++i) {
+    forEachIndex(rgb9e5.texelCount(), [&](std::size_t i) {
         const vec3 v = unpackRgb9e5(rgb9e5.texels()[i]);
         image.texels()[i] = u8vec4(numberOf(v.x, curve), numberOf(v.y, curve), numberOf(v.z, curve), 255);
-    }
+    });
     return image;
 }
 
@@ -80,28 +82,49 @@ Image<uint32_t> decodeByCurve(const ImageRgba8& image, const LightmapCurve& curv
 {
     const std::array<float, 256> values = valuesOf(curve);
     Image<uint32_t> rgb9e5(image.width(), image.height());
-    for (std::size_t i = 0; i < image.texelCount(); ++i) {
+    forEachIndex(image.texelCount(), [&](std::size_t i) {
         const u8vec4 c = image.texels()[i];
         rgb9e5.texels()[i] = packRgb9e5(vec3(values[c.x], values[c.y], values[c.z]));
-    }
+    });
     return rgb9e5;
 }
 
-LightmapError lightmapError(const ImageRgb32f& truth, const ImageRgb32f& other)
+LightmapError lightmapError(std::size_t count, const TexelOf& truth, const TexelOf& other)
 {
-    LightmapError error;
+    struct Part {
+        float brightest = 0.0f;
+        double sum = 0.0;
+        double most = 0.0;
+        std::size_t lit = 0;
+    };
+    constexpr std::size_t kTexels = std::size_t(1) << 16; // of a part; parts are added in their order
+    std::vector<Part> parts((count + kTexels - 1) / kTexels);
+    const auto forTexels = [&](const auto& body) {
+        parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t p = begin; p < end; ++p) {
+                for (std::size_t i = p * kTexels; i < std::min((p + 1) * kTexels, count); ++i) body(parts[p], i);
+            }
+        });
+    };
+    forTexels([&](Part& part, std::size_t i) { part.brightest = std::max(part.brightest, brightest(truth(i))); });
     float floor = 0.0f;
-    for (const vec3 texel : truth.texels()) floor = std::max(floor, brightest(texel) / 4096.0f);
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < truth.texelCount(); ++i) {
-        const vec3 was = truth.texels()[i];
-        if (!(brightest(was) > 0.0f)) continue;
-        const double off = double(brightest(glm::abs(other.texels()[i] - was)) / std::max(brightest(was), floor));
-        error.mean += off;
-        error.most = std::max(error.most, off);
-        ++count;
+    for (const Part& part : parts) floor = std::max(floor, part.brightest / 4096.0f);
+    forTexels([&](Part& part, std::size_t i) {
+        const vec3 was = truth(i);
+        if (!(brightest(was) > 0.0f)) return;
+        const double off = double(brightest(glm::abs(other(i) - was)) / std::max(brightest(was), floor));
+        part.sum += off;
+        part.most = std::max(part.most, off);
+        ++part.lit;
+    });
+    LightmapError error;
+    std::size_t lit = 0;
+    for (const Part& part : parts) {
+        error.mean += part.sum;
+        error.most = std::max(error.most, part.most);
+        lit += part.lit;
     }
-    if (count > 0) error.mean /= double(count);
+    if (lit > 0) error.mean /= double(lit);
     return error;
 }
 

@@ -4,6 +4,7 @@
 
 #include "halflight/base/image.h"
 
+#include <functional>
 #include <span>
 
 namespace halflight {
@@ -19,12 +20,15 @@ LightmapCurve bestCurve(std::span<const Image<uint32_t>> pages);
 ImageRgba8 encodeByCurve(const Image<uint32_t>& rgb9e5, const LightmapCurve& curve);
 Image<uint32_t> decodeByCurve(const ImageRgba8& image, const LightmapCurve& curve);
 
-/// Error of a lightmap against another: of each texel's channel that errs most, relative to the texel's brightest, or
-/// to 1/4096 of the page's brightest where that is more.
+/// A page's texel by its number.
+using TexelOf = std::function<vec3(std::size_t)>;
+
+/// Error of a lightmap page of `count` texels against another: of each texel's channel that errs most, relative to the
+/// texel's brightest, or to 1/4096 of the page's brightest where that is more.
 struct LightmapError {
     double mean = 0.0; ///< over texels that are not black
     double most = 0.0;
 };
-LightmapError lightmapError(const ImageRgb32f& truth, const ImageRgb32f& other);
+LightmapError lightmapError(std::size_t count, const TexelOf& truth, const TexelOf& other);
 
 } // namespace halflight

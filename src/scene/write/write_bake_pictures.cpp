@@ -19,37 +19,42 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-// One page, and its texels as a reader sees them.
+// One page, and how far its texels are off for a reader.
 struct EncodedPage {
     Result<Bytes> bytes = Bytes();
-    ImageRgb32f seen;
+    LightmapError error;
 };
 
-EncodedPage encodePage(const Image<uint32_t>& rgb9e5, const ImageRgb32f& truth, LightmapFormat format,
+// `truth`: in units of the page.
+EncodedPage encodePage(const Image<uint32_t>& page, const TexelOf& truth, LightmapFormat format,
                        const LightmapCurve& curve)
 {
+    const auto errorOf = [&](const TexelOf& seen) { return lightmapError(page.texelCount(), truth, seen); };
+    const auto errorOfRgb9e5 = [&](const Image<uint32_t>& texels) {
+        return errorOf([&](std::size_t i) { return unpackRgb9e5(texels.texels()[i]); });
+    };
     switch (format) {
     case LightmapFormat::Half: {
-        const Image<uint64_t> half = halfTexels(truth);
-        return {encodeKtx2(half), floatsOf(half)};
+        ImageRgb32f floats(page.width(), page.height());
+        forEachIndex(floats.texelCount(), [&](std::size_t i) { floats.texels()[i] = truth(i); });
+        const Image<uint64_t> half = halfTexels(floats);
+        return {encodeKtx2(half), errorOf([&](std::size_t i) { return floatsOf(half.texels()[i]); })};
     }
     case LightmapFormat::Webp: {
-        const ImageRgba8 image = encodeByCurve(rgb9e5, curve);
-        return {encodeWebpLossless(image), decodeRgb9e5(decodeByCurve(image, curve))};
+        const ImageRgba8 image = encodeByCurve(page, curve);
+        return {encodeWebpLossless(image), errorOfRgb9e5(decodeByCurve(image, curve))};
     }
     case LightmapFormat::Rgb9e5:
         break;
     }
-    return {encodeKtx2(rgb9e5), decodeRgb9e5(rgb9e5)};
+    return {encodeKtx2(page), errorOfRgb9e5(page)};
 }
 
 // In units of `unitLux`.
-ImageRgb32f truthOf(const Image<uint32_t>& page, float unitLux, const ImageRgb32f* irradiance)
+TexelOf truthOf(const Image<uint32_t>& page, float unitLux, const ImageRgb32f* irradiance)
 {
-    if (irradiance == nullptr) return decodeRgb9e5(page);
-    ImageRgb32f truth = *irradiance;
-    for (vec3& texel : truth.texels()) texel /= unitLux;
-    return truth;
+    if (irradiance != nullptr) return [=](std::size_t i) { return irradiance->texels()[i] / unitLux; };
+    return [&page](std::size_t i) { return unpackRgb9e5(page.texels()[i]); };
 }
 
 // PNG, or lossless WebP where that is smaller.
@@ -155,14 +160,13 @@ Result<EncodedLightmaps> encodePages(const std::vector<Image<uint32_t>>& pages, 
     parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !options.progress.cancelled(); ++i) {
             if (pages[i].empty()) continue;
-            const ImageRgb32f truth = truthOf(pages[i], unitLux, irradiance.size() == count ? &irradiance[i] : nullptr);
+            const TexelOf truth = truthOf(pages[i], unitLux, irradiance.size() == count ? &irradiance[i] : nullptr);
             EncodedPage page = encodePage(pages[i], truth, options.lightmapFormat, curve);
             if (!page.bytes) {
                 statuses[i] = page.bytes.error();
                 continue;
             }
-            const LightmapError error = lightmapError(truth, page.seen);
-            result.written[i] = {page.bytes->size(), error.mean, error.most};
+            result.written[i] = {page.bytes->size(), page.error.mean, page.error.most};
             result.pages[i] = std::move(*page.bytes);
         }
     });
