@@ -57,20 +57,32 @@ ivec2 mortonDecode(uint32_t code)
     return {compact(code), compact(code >> 1)};
 }
 
-/// Clips a triangle against the squares of the texels that it overlaps.
-void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page, int pageSize,
-                       std::vector<RasterFragment>& out)
+/// Texels of a page around a triangle, both ends included.
+struct TexelBox {
+    ivec2 lower{0};
+    ivec2 upper{-1};
+};
+
+TexelBox boxOf(const BakeGeometry& geometry, uint32_t triangle, int pageSize)
+{
+    const auto [a, b, c] = geometry.texelsOf(triangle);
+    return {glm::max(ivec2(glm::floor(glm::min(a, glm::min(b, c)))), ivec2(0)),
+            glm::min(ivec2(glm::floor(glm::max(a, glm::max(b, c)))), ivec2(pageSize - 1))};
+}
+
+/// Clips a triangle against the squares of the texels that it overlaps, of those in rows from `firstRow` to `lastRow`.
+void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page, int pageSize, int firstRow,
+                       int lastRow, std::vector<RasterFragment>& out)
 {
     const auto [a, b, c] = geometry.texelsOf(triangle);
     if (cross2(b - a, c - a) == 0.0f || geometry.geometricNormal(triangle) == vec3(0.0f)) return;
-    const ivec2 lower = glm::max(ivec2(glm::floor(glm::min(a, glm::min(b, c)))), ivec2(0));
-    const ivec2 upper = glm::min(ivec2(glm::floor(glm::max(a, glm::max(b, c)))), ivec2(pageSize - 1));
+    const auto [lower, upper] = boxOf(geometry, triangle, pageSize);
     Polygon whole;
     whole.points[0] = a;
     whole.points[1] = b;
     whole.points[2] = c;
     whole.count = 3;
-    for (int y = lower.y; y <= upper.y; ++y) {
+    for (int y = std::max(lower.y, firstRow); y <= std::min(upper.y, lastRow); ++y) {
         const Polygon row = clip(clip(whole, {0.0f, 1.0f}, float(y)), {0.0f, -1.0f}, -float(y + 1));
         if (row.count < 3) continue;
         float rowMin = kInfinity;
@@ -204,7 +216,9 @@ struct FragmentRun {
     int page = 0;
     uint32_t firstTriangle = 0;
     uint32_t triangleCount = 0;
-    std::vector<RasterFragment> fragments;
+    int firstRow = 0; ///< of the page
+    int lastRow = 0;
+    std::vector<RasterFragment> fragments{};
 };
 
 bool isBefore(const RasterFragment& a, const RasterFragment& b)
@@ -212,20 +226,43 @@ bool isBefore(const RasterFragment& a, const RasterFragment& b)
     return a.key != b.key ? a.key < b.key : a.fragment.triangle < b.fragment.triangle;
 }
 
+/// Adds the runs of a part. Each is as much work as others: a large triangle is divided by rows.
+void addRuns(const BakeGeometry& geometry, const BakeGeometry::Part& part, int pageSize, std::vector<FragmentRun>& runs)
+{
+    constexpr uint32_t kTriangles = 1024;
+    constexpr int64_t kTexels = 1 << 15; // around triangles: 10 ms
+    int64_t texels = kTexels + 1;        // of the last run, where it takes more triangles
+    for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+        const auto [lower, upper] = boxOf(geometry, t, pageSize);
+        const ivec2 size = glm::max(upper - lower + 1, ivec2(0));
+        const int64_t own = int64_t(size.x) * size.y;
+        if (own > kTexels) {
+            const int rows = std::max(int(kTexels / size.x), 1);
+            for (int y = lower.y; y <= upper.y; y += rows)
+                runs.push_back({part.page, t, 1, y, std::min(y + rows - 1, upper.y)});
+            texels = kTexels + 1;
+            continue;
+        }
+        if (texels + own > kTexels || runs.back().triangleCount == kTriangles) {
+            runs.push_back({part.page, t, 0, 0, pageSize - 1});
+            texels = 0;
+        }
+        runs.back().triangleCount += 1;
+        texels += own;
+    }
+}
+
 std::vector<FragmentRun> rasterizeRuns(const BakeGeometry& geometry, int pageSize)
 {
-    constexpr uint32_t kTrianglesPerRun = 1024;
     std::vector<FragmentRun> runs;
-    for (const BakeGeometry::Part& part : geometry.parts) {
-        if (part.page < 0) continue;
-        for (uint32_t t = 0; t < part.triangleCount; t += kTrianglesPerRun)
-            runs.push_back({part.page, part.firstTriangle + t, std::min(kTrianglesPerRun, part.triangleCount - t), {}});
-    }
+    for (const BakeGeometry::Part& part : geometry.parts)
+        if (part.page >= 0) addRuns(geometry, part, pageSize, runs);
     parallelFor(runs.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             FragmentRun& run = runs[i];
             for (uint32_t t = 0; t < run.triangleCount; ++t)
-                rasterizeTriangle(geometry, run.firstTriangle + t, run.page, pageSize, run.fragments);
+                rasterizeTriangle(geometry, run.firstTriangle + t, run.page, pageSize, run.firstRow, run.lastRow,
+                                  run.fragments);
             std::sort(run.fragments.begin(), run.fragments.end(), isBefore);
             run.fragments.shrink_to_fit(); // all runs are kept for a while
         }
