@@ -179,13 +179,33 @@ Status reflectionStage(const BakeRun& run, const CachedIntegrator& cached)
     return {};
 }
 
+/// Which sample points are valid, and the seams: one thread finds these for much of the time, beside rays.
+Status validityAndSeams(const BakeRun& run, FirstStages& firstStages, std::vector<SeamSample>& seams)
+{
+    BakeReport seamsReport; // of the background, which must not write to the bake's own
+    seamsReport.began = run.report().began;
+    Background background;
+    background.run([&] {
+        StageTimer timer(seamsReport, "find seams");
+        seams = findSeams(firstStages.geometry, firstStages.map.pageSize);
+        timer.finish();
+    });
+    Status tested;
+    inIsolation([&] { tested = validityStage(run, firstStages); });
+    background.wait();
+    if (!tested) return tested;
+    run.report().stages.push_back(seamsReport.stages.front());
+    return dropHiddenSeams(*firstStages.integrator, seams);
+}
+
 /// All stages that trace rays or work on their results.
 class TraceStages {
 public:
     /// `began`: when the bake did, by secondsNow().
-    TraceStages(const BakeRun& run, const CachedIntegrator& cached, const DeviceDenoiser& denoiser, double began)
+    TraceStages(const BakeRun& run, const CachedIntegrator& cached, const DeviceDenoiser& denoiser, double began,
+                std::vector<SeamSample> seams)
         : run_(run), cached_(cached), denoiser_(denoiser), began_(began), lightmap_(cached.prepare()),
-          valid_(validTexels(cached.map))
+          valid_(validTexels(cached.map)), seams_(std::move(seams))
     {
         pagesReport_.began = masksReport_.began = run.report().began;
     }
@@ -195,14 +215,11 @@ public:
         const bool timed = run_.settings.seconds > 0.0;
         if (timed) {
             // What is left for the lightmap is known once the others are done.
-            if (Status s = findSeams(); !s) return s;
             if (Status s = masksAndProbes(); !s) return s;
             masks_.wait();
             if (Status s = chooseSamples(run_, began_, cached_, *lightmap_); !s) return s;
         }
         if (Status s = lightmapStage(run_, cached_, std::move(lightmap_), estimates_, components_, main_); !s) return s;
-        if (!timed)
-            if (Status s = findSeams(); !s) return s;
         const bool grouped = run_.components.count > 0;
         std::vector<uint8_t> samples; // of grouped texels
         if (grouped) {
@@ -229,15 +246,6 @@ public:
     }
 
 private:
-    Status findSeams()
-    {
-        StageTimer timer(run_.report(), "find seams");
-        seams_ = halflight::findSeams(cached_.geometry, cached_.map.pageSize);
-        if (Status s = dropHiddenSeams(cached_.integrator, seams_); !s) return s;
-        timer.finish();
-        return {};
-    }
-
     Status masksAndProbes()
     {
         if (Status s = shadowmaskStage(run_, cached_, valid_, seams_, masksReport_, masks_); !s) return s;
@@ -313,10 +321,11 @@ Result<BakeResult> bakeWith(Scene scene, const BakeSettings& settings, const Int
         return status.error();
     if (live != nullptr)
         if (Status s = live->begin(result.baked, firstStages.cached(), progress); !s) return s.error();
-    if (Status status = validityStage(run, firstStages); !status) return status.error();
+    std::vector<SeamSample> seams;
+    if (Status status = validityAndSeams(run, firstStages, seams); !status) return status.error();
     std::optional<BakeCache>& cache = firstStages.cache;
     const CachedIntegrator cached = firstStages.cached();
-    if (Status status = TraceStages(run, cached, integratorFactory.denoise, began).trace(); !status)
+    if (Status status = TraceStages(run, cached, integratorFactory.denoise, began, std::move(seams)).trace(); !status)
         return status.error();
     if (Status status = reflectionStage(run, cached); !status) return status.error();
     finishGroups(*grouping, result);
