@@ -3,6 +3,7 @@
 #include "bake/geometry/surfaces_along.h"
 #include "bake/seams/seams.h"
 
+#include "halflight/base/parallel.h"
 #include "unwrap/cuts/crossing_points.h"
 
 #include <algorithm>
@@ -20,16 +21,18 @@ bool isBlocked(const std::optional<vec2>& surfaces)
 Result<std::vector<uint8_t>> findOpen(const Integrator& integrator, const std::vector<uint32_t>& firstTriangle,
                                       std::span<const CrossingPoint> crossings)
 {
-    std::vector<SurfacePoint> points;
-    std::vector<Segment> down;
-    for (const CrossingPoint& crossing : crossings) {
+    std::vector<SurfacePoint> points(crossings.size() * kPointsAround);
+    std::vector<Segment> down(points.size());
+    forEachIndex(crossings.size(), [&](std::size_t c) {
+        const CrossingPoint& crossing = crossings[c];
         const uint32_t triangle = firstTriangle[std::size_t(crossing.object)] + crossing.triangle;
         const float depth = 2.0f * kSightRise * crossing.texelMeters;
+        std::size_t i = c * kPointsAround;
         for (const vec3 point : pointsAround(crossing)) {
-            points.push_back({point, crossing.normal, crossing.normal, triangle, vec2(0.0f)});
-            down.push_back({point, point - depth * crossing.normal});
+            points[i] = {point, crossing.normal, crossing.normal, triangle, vec2(0.0f)};
+            down[i++] = {point, point - depth * crossing.normal};
         }
-    }
+    });
     // One ray tells whether there is surface below; whether a point lies outside takes many.
     const Result<SurfacesAlong> below = surfacesAlong(integrator, down);
     if (!below) return below.error();

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -157,34 +158,47 @@ private:
                 addTriangles(scene_, object, true, casters);
         }
         const TriangleTree tree(casters);
-        for (uint32_t c = 0; c < candidates_.size(); ++c) {
-            const CutCandidate& candidate = candidates_[c];
-            triangles_.emplace_back();
-            addTriangles(scene_, scene_.objects[std::size_t(candidate.object)], false, triangles_.back());
-            const std::vector<Corners>& own = triangles_.back();
-            const std::vector<uint8_t> wide = widePieces(candidate, own);
-            std::vector<std::vector<Stretch>> found(own.size());
-            parallelFor(own.size(), 256, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t t = begin; t < end; ++t) {
-                    if (candidate.pieces[t] == kNone || wide[candidate.pieces[t]] == 0) continue;
-                    const Triangle on(own[t]);
-                    Box box = boundsOf(own[t]);
-                    box.low -= kGapTexels * candidate.texelMeters;
-                    box.high += kGapTexels * candidate.texelMeters;
-                    tree.forOverlapping(box, [&](uint32_t other) {
-                        std::optional<Stretch> stretch =
-                            crossingOf(on, Triangle(casters[other]), candidate.texelMeters);
-                        if (!stretch) return;
-                        stretch->candidate = c;
-                        stretch->triangle = uint32_t(t);
-                        stretch->piece = candidate.pieces[t];
-                        found[t].push_back(*stretch);
-                    });
-                }
-            });
-            for (const std::vector<Stretch>& some : found)
+        triangles_.resize(candidates_.size());
+        std::vector<std::vector<std::vector<Stretch>>> found(candidates_.size()); // by triangle of a candidate
+        parallelFor(candidates_.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t c = begin; c < end; ++c) found[c] = stretchesOf(uint32_t(c), tree, casters);
+        });
+        std::size_t count = 0;
+        for (const auto& ofCandidate : found)
+            for (const std::vector<Stretch>& some : ofCandidate) count += some.size();
+        stretches_.reserve(count);
+        for (const auto& ofCandidate : found)
+            for (const std::vector<Stretch>& some : ofCandidate)
                 stretches_.insert(stretches_.end(), some.begin(), some.end());
-        }
+    }
+
+    /// By triangle of a candidate.
+    std::vector<std::vector<Stretch>> stretchesOf(uint32_t c, const TriangleTree& tree,
+                                                  const std::vector<Corners>& casters)
+    {
+        const CutCandidate& candidate = candidates_[c];
+        std::vector<Corners>& own = triangles_[c];
+        addTriangles(scene_, scene_.objects[std::size_t(candidate.object)], false, own);
+        const std::vector<uint8_t> wide = widePieces(candidate, own);
+        std::vector<std::vector<Stretch>> found(own.size());
+        parallelFor(own.size(), 256, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t t = begin; t < end; ++t) {
+                if (candidate.pieces[t] == kNone || wide[candidate.pieces[t]] == 0) continue;
+                const Triangle on(own[t]);
+                Box box = boundsOf(own[t]);
+                box.low -= kGapTexels * candidate.texelMeters;
+                box.high += kGapTexels * candidate.texelMeters;
+                tree.forOverlapping(box, [&](uint32_t other) {
+                    std::optional<Stretch> stretch = crossingOf(on, Triangle(casters[other]), candidate.texelMeters);
+                    if (!stretch) return;
+                    stretch->candidate = c;
+                    stretch->triangle = uint32_t(t);
+                    stretch->piece = candidate.pieces[t];
+                    found[t].push_back(*stretch);
+                });
+            }
+        });
+        return found;
     }
 
     /// By piece: whether a crossing that is long enough fits it.
@@ -205,14 +219,16 @@ private:
 
     void joinStretches()
     {
-        std::stable_sort(stretches_.begin(), stretches_.end(),
-                         [](const Stretch& a, const Stretch& b) { return a.length() > b.length(); });
+        std::vector<std::pair<double, std::size_t>> order; // less the length: the longest come first
+        for (const Stretch& stretch : stretches_) order.emplace_back(-stretch.length(), order.size());
+        parallelSort(order, std::less<>());
         std::map<std::pair<uint32_t, uint32_t>, std::vector<std::size_t>> ofPiece;
-        for (const Stretch& stretch : stretches_) {
+        for (const auto& [less, number] : order) {
+            const Stretch& stretch = stretches_[number];
             const double near = kTogetherTexels * candidates_[stretch.candidate].texelMeters;
             std::vector<std::size_t>& own = ofPiece[{stretch.candidate, stretch.piece}];
-            const auto joins = [&](std::size_t number) {
-                const Stretch& first = crossings_[number].stretches.front();
+            const auto joins = [&](std::size_t crossing) {
+                const Stretch& first = crossings_[crossing].stretches.front();
                 return std::abs(glm::dot(first.crossing, stretch.crossing)) > kParallelCosine &&
                        std::abs(glm::dot(first.crossing, stretch.middle()) - first.offset) < near;
             };
