@@ -27,8 +27,10 @@ if(TARGET halflight_window)
         COMPONENT view OPTIONAL)
     install(FILES ${HALFLIGHT_COPYRIGHT} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/halflight-view COMPONENT view)
 endif()
-install(TARGETS halflight_base halflight_shading halflight_scene halflight_unwrap halflight_bake halflight_transport halflight_bake_cpu
-                halflight_gpu halflight_frame halflight_render
+# Each before those that it uses, as a linker reads them.
+set(HALFLIGHT_ARCHIVES halflight_bake_cpu halflight_transport halflight_bake halflight_unwrap halflight_render
+                       halflight_frame halflight_gpu halflight_scene halflight_base)
+install(TARGETS ${HALFLIGHT_ARCHIVES} halflight_shading
     EXPORT halflightTargets ARCHIVE COMPONENT development LIBRARY COMPONENT development)
 # The window is a part of the program, not of the libraries.
 install(DIRECTORY include/halflight DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development PATTERN view EXCLUDE)
@@ -42,7 +44,9 @@ install(FILES ${PROJECT_BINARY_DIR}/halflightConfig.cmake ${PROJECT_BINARY_DIR}/
 
 file(RELATIVE_PATH HALFLIGHT_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 string(REGEX REPLACE "/$" "" HALFLIGHT_PC_PREFIX "${HALFLIGHT_PC_PREFIX}")
-set(HALFLIGHT_PC_LIBS "-lembree${HALFLIGHT_EMBREE_MAJOR}")
+list(TRANSFORM HALFLIGHT_ARCHIVES PREPEND -l OUTPUT_VARIABLE HALFLIGHT_PC_LIBS)
+list(JOIN HALFLIGHT_PC_LIBS " " HALFLIGHT_PC_LIBS)
+string(APPEND HALFLIGHT_PC_LIBS " -lembree${HALFLIGHT_EMBREE_MAJOR}")
 set(HALFLIGHT_PC_REQUIRES "libpng libzstd libxxhash spdlog tbb tomlplusplus")
 if(HALFLIGHT_OPENEXR)
     string(PREPEND HALFLIGHT_PC_REQUIRES "OpenEXR ")

@@ -34,7 +34,7 @@ nightly_of=(
   '^(web|shaders|include/halflight/shading)/' '^web\.'
   '^(blender|src/scene|scripts/package)' '^blender\.'
   '^(farm/|src/bake/(farm|cache))' '^cli\.(Farm|FarmTrouble|Slurm|Parallel)$'
-  '^(scripts|cmake|packages|python|CMakeLists)' '^package\.'
+  '^(scripts|cmake|packages|python)/|^(src/[^/]+/)?CMakeLists' '^package\.'
   '^(src/view|apps)/' '^cli\.(View|ViewBake|InterruptAnywhere)$'
   '^src/(base|scene)/' '^cli\.(FullDisk|Streams|Georeferenced|Chain|InterruptAnywhere)$|^Validator'
   '^src/(bake|bake_cpu|bake_gpu|gpu|transport|unwrap|render)/' '^(cli\.(Truth|Boards|Pictures|Sheets|Glass|TextureSets|Reach)|[A-Z].*)$'
