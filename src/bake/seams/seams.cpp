@@ -5,7 +5,6 @@
 #include "bake/texels/texel_places.h"
 
 #include "halflight/base/mathematics.h"
-#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
 #include <Eigen/SparseCholesky>

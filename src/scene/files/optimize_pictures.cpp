@@ -2,7 +2,6 @@
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/parallel.h"
-#include "halflight/base/rgb9e5.h"
 #include "scene/format/picture_references.h"
 #include "scene/pictures/ktx2.h"
 #include "scene/pictures/lightmap_curve.h"
@@ -132,9 +131,6 @@ Result<Lightmaps> readLightmaps(const SourceDocument& source, const std::vector<
 
 void addError(const Lightmaps& lightmaps, std::size_t page, const Image<uint32_t>& smaller, OptimizeReport& report)
 {
-    const auto texelsOf = [](const Image<uint32_t>& of) {
-        return [&of](std::size_t i) { return unpackRgb9e5(of.texels()[i]); };
-    };
     const LightmapError error = lightmapError(smaller.texelCount(), texelsOf(lightmaps.pages[page]), texelsOf(smaller));
     report.lightmapError += error.mean / double(lightmaps.pages.size());
     report.lightmapErrorMost = std::max(report.lightmapErrorMost, error.most);

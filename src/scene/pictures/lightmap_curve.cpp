@@ -89,6 +89,11 @@ Image<uint32_t> decodeByCurve(const ImageRgba8& image, const LightmapCurve& curv
     return rgb9e5;
 }
 
+TexelOf texelsOf(const Image<uint32_t>& rgb9e5)
+{
+    return [&rgb9e5](std::size_t i) { return unpackRgb9e5(rgb9e5.texels()[i]); };
+}
+
 LightmapError lightmapError(std::size_t count, const TexelOf& truth, const TexelOf& other)
 {
     struct Part {

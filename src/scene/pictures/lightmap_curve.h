@@ -22,6 +22,8 @@ Image<uint32_t> decodeByCurve(const ImageRgba8& image, const LightmapCurve& curv
 
 /// A page's texel by its number.
 using TexelOf = std::function<vec3(std::size_t)>;
+/// Of a page that outlives it.
+TexelOf texelsOf(const Image<uint32_t>& rgb9e5);
 
 /// Error of a lightmap page of `count` texels against another: of each texel's channel that errs most, relative to the
 /// texel's brightest, or to 1/4096 of the page's brightest where that is more.

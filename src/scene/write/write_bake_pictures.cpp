@@ -2,7 +2,6 @@
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/parallel.h"
-#include "halflight/base/rgb9e5.h"
 #include "scene/pictures/ktx2.h"
 #include "scene/pictures/lightmap_curve.h"
 #include "scene/write/write_groups.h"
@@ -30,9 +29,6 @@ EncodedPage encodePage(const Image<uint32_t>& page, const TexelOf& truth, Lightm
                        const LightmapCurve& curve)
 {
     const auto errorOf = [&](const TexelOf& seen) { return lightmapError(page.texelCount(), truth, seen); };
-    const auto errorOfRgb9e5 = [&](const Image<uint32_t>& texels) {
-        return errorOf([&](std::size_t i) { return unpackRgb9e5(texels.texels()[i]); });
-    };
     switch (format) {
     case LightmapFormat::Half: {
         ImageRgb32f floats(page.width(), page.height());
@@ -42,19 +38,19 @@ EncodedPage encodePage(const Image<uint32_t>& page, const TexelOf& truth, Lightm
     }
     case LightmapFormat::Webp: {
         const ImageRgba8 image = encodeByCurve(page, curve);
-        return {encodeWebpLossless(image), errorOfRgb9e5(decodeByCurve(image, curve))};
+        return {encodeWebpLossless(image), errorOf(texelsOf(decodeByCurve(image, curve)))};
     }
     case LightmapFormat::Rgb9e5:
         break;
     }
-    return {encodeKtx2(page), errorOfRgb9e5(page)};
+    return {encodeKtx2(page), errorOf(texelsOf(page))};
 }
 
 // In units of `unitLux`.
 TexelOf truthOf(const Image<uint32_t>& page, float unitLux, const ImageRgb32f* irradiance)
 {
     if (irradiance != nullptr) return [=](std::size_t i) { return irradiance->texels()[i] / unitLux; };
-    return [&page](std::size_t i) { return unpackRgb9e5(page.texels()[i]); };
+    return texelsOf(page);
 }
 
 // PNG, or lossless WebP where that is smaller.
