@@ -87,13 +87,6 @@ Values valuesOf(const BakeResult& result)
     return values;
 }
 
-/// Size of pages: larger ones where a mesh has too many charts for small ones.
-int lightmapSizeOf(const Scene& scene)
-{
-    constexpr int kSmall = 128;
-    return bake(scene, settingsOf(1, kSmall), embreeIntegrators()) ? kSmall : 2 * kSmall;
-}
-
 /// Probability of a |t| at least as large by chance, with the 7 degrees of freedom of eight pairs (Student 1908;
 /// Abramowitz and Stegun 1964, 26.7.3).
 double chanceOf(double t)
@@ -148,9 +141,13 @@ TEST_P(WholeBakesS6, HaveTheProcessorsLight)
     Pairs light{"light"};
     Pairs masks{"masks"};
     Pairs probes{"probes"};
-    const int size = lightmapSizeOf(*scene);
+    int size = 128; // of pages
     for (uint32_t seed = 1; seed <= kSeeds; ++seed) {
-        const Result<BakeResult> cpu = bake(*scene, settingsOf(seed, size), embreeIntegrators());
+        Result<BakeResult> cpu = bake(*scene, settingsOf(seed, size), embreeIntegrators());
+        if (!cpu && seed == 1) { // a mesh may have too many charts for small pages
+            size *= 2;
+            cpu = bake(*scene, settingsOf(seed, size), embreeIntegrators());
+        }
         const Result<BakeResult> gpu = bake(*scene, settingsOf(seed, size), gpuIntegrators(device));
         ASSERT_TRUE(cpu) << cpu.error().text();
         ASSERT_TRUE(gpu) << gpu.error().text();
