@@ -34,17 +34,22 @@ fi
 "$tests" --gtest_brief=1 --gtest_filter=*WholeBakes*
 echo "== three bakes in three processes: the same bytes"
 for scene in assets/courtyard.glb assets/tests/two_rooms.glb; do
-  for run in 1 2 3; do
-    "$program" bake "$scene" -o "$folder/$run.glb" --quality preview --lightmap-size 512 --device "$device" --quiet
+  for integrator in cache path; do
+    for run in 1 2 3; do
+      "$program" bake "$scene" -o "$folder/$run.glb" --quality preview --lightmap-size 512 --integrator $integrator \
+        --device "$device" --quiet
+    done
+    cmp "$folder/1.glb" "$folder/2.glb"
+    cmp "$folder/1.glb" "$folder/3.glb"
+    echo "$scene, $integrator: equal"
   done
-  cmp "$folder/1.glb" "$folder/2.glb"
-  cmp "$folder/1.glb" "$folder/3.glb"
-  echo "$scene: equal"
 done
 echo "== seconds of the lightmap, processor and GPU"
-for on in cpu "$device"; do
-  "$program" bake assets/courtyard.glb -o "$folder/x.glb" --quality preview --device "$on" --quiet --report "$folder/report.json"
-  python3 - "$folder/report.json" <<'PYTHON'
+for integrator in cache path; do
+  for on in cpu "$device"; do
+    "$program" bake assets/courtyard.glb -o "$folder/x.glb" --quality preview --integrator $integrator --device "$on" \
+      --quiet --report "$folder/report.json"
+    python3 - "$folder/report.json" <<'PYTHON'
 import json
 import sys
 
@@ -52,6 +57,7 @@ report = json.load(open(sys.argv[1]))
 seconds = {stage["name"]: stage["seconds"] for stage in report["stages"]}
 print(f"{report['integrator']}: lightmap {seconds['lightmap']:.2f} of {report['seconds']:.2f} s")
 PYTHON
+  done
 done
 bench=build/bench/bench/bench_gpu_rays
 # Millions of rays take a driver for the CPU minutes.

@@ -42,12 +42,14 @@ Result<std::shared_ptr<BakeDevice>> opened(const std::string& name, int memoryMe
 }
 
 /// Whether a GPU saves more than it costs to open it, to upload the scene and to copy results: so many samples of the
-/// lightmap for each thread of the processor (docs/lab/gpu.md, "Where a GPU pays").
+/// lightmap for each thread of the processor, or so many whole paths (docs/lab/gpu.md, "Where a GPU pays").
 bool isWorthAGpu(const Scene& scene, const BakeSettings& settings)
 {
     constexpr double kSamplesOfAThread = 2.0e6;
+    constexpr double kPathsOfAThread = 0.5e6;
     const ThreadLimit limit(settings.threads);
-    return expectedSamples(scene, settings) > kSamplesOfAThread * double(threadCount());
+    const double ofAThread = settings.integrator == IntegratorKind::Path ? kPathsOfAThread : kSamplesOfAThread;
+    return expectedSamples(scene, settings) > ofAThread * double(threadCount());
 }
 
 bool hasGpu()

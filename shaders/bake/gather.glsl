@@ -93,6 +93,9 @@ layout(push_constant, scalar) uniform Push
 #endif
     Tables tables;
     Lists lists;
+#ifdef HALFLIGHT_TRACES
+    uint whole; // paths are whole, and the lists those of paths/starts.glsl
+#endif
 } push;
 
 // The sample of a ray. False beyond the list of blocks.

@@ -42,7 +42,7 @@ public:
     [[nodiscard]] const gpu::ComputePipeline& gatherLight() const { return gatherLight_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSources() const { return gatherSources_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSums() const { return gatherSums_; }
-    /// Continuation paths (shaders/bake/paths/paths.rgen), made when they are first asked for. Throws gpu::Failure.
+    /// Paths (shaders/bake/paths/paths.rgen), made when they are first asked for. Throws gpu::Failure.
     const gpu::RayPipeline& paths();
     /// The same of the gather's emitter samples.
     const EmitterPipelines& emitters();

@@ -1,6 +1,7 @@
 #include "bake_gpu/kernels.h"
 
 #include "bake_gpu/gather/gather.h"
+#include "bake_gpu/paths/paths.h"
 #include "bake_gpu/shadows/shadows.h"
 #include "bake_gpu/shadows/validity.h"
 
@@ -112,6 +113,13 @@ Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTabl
 {
     if (scene_.anyTinted()) return std::unique_ptr<DeviceGather>();
     return made<DeviceGather>([&] { return std::make_unique<GpuGather>(*device_, gpuScene_, surfaces(), tables); });
+}
+
+Result<std::unique_ptr<DevicePaths>> GpuKernels::preparePaths(const PathTracer& paths, int bounces) const
+{
+    if (scene_.anyTinted() || paths.light().components() > 0) return std::unique_ptr<DevicePaths>();
+    return made<DevicePaths>(
+        [&] { return std::make_unique<GpuPaths>(*device_, gpuScene_, surfaces(), paths, bounces); });
 }
 
 Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTables& tables) const

@@ -25,6 +25,8 @@ public:
         return cpu_->trianglesNear(center, radius, most, triangles);
     }
     [[nodiscard]] Result<std::unique_ptr<DeviceGather>> prepareGather(const GatherTables& tables) const override;
+    [[nodiscard]] Result<std::unique_ptr<DevicePaths>> preparePaths(const PathTracer& paths,
+                                                                    int bounces) const override;
     [[nodiscard]] Result<std::unique_ptr<DeviceShadows>> prepareShadows(const ShadowTables& tables) const override;
     [[nodiscard]] Result<std::unique_ptr<DeviceValidity>> prepareValidity() const override;
     [[nodiscard]] std::string describe(const std::string& method) const override;

@@ -141,13 +141,25 @@ private:
         return static_cast<const DeviceShadows*>(shadows_->get());
     }
 
+    /// The device that traces whole paths; null: the processor does.
+    Result<const DevicePaths*> devicePaths()
+    {
+        if (!devicePaths_) {
+            auto made = paths_.surfaces().kernels().preparePaths(paths_, settings_.bounces);
+            if (!made) return made.error();
+            devicePaths_ = std::move(*made);
+        }
+        return static_cast<const DevicePaths*>(devicePaths_->get());
+    }
+
     IntegrationSettings settings_;
     PathTracer paths_;
     StratifiedPattern pattern_;
     std::unique_ptr<TexelGrid> grid_; ///< of the map of the last call
     const TexelMap* gridMap_ = nullptr;
     std::size_t gridTexels_ = 0;
-    std::optional<std::unique_ptr<DeviceShadows>> shadows_; ///< deviceShadows(), once it was asked for
+    std::optional<std::unique_ptr<DeviceShadows>> shadows_;   ///< deviceShadows(), once it was asked for
+    std::optional<std::unique_ptr<DevicePaths>> devicePaths_; ///< devicePaths(), once it was asked for
     std::atomic<uint64_t> rays_{0};
 };
 
@@ -199,6 +211,11 @@ private:
                                       all_.rays_);
         if (isCached())
             return cached_.irradiance(request.texels, samples, out.texels, out.components, progress, all_.rays_);
+        const auto device = all_.devicePaths();
+        if (!device) return device.error();
+        if (*device != nullptr)
+            return tracePathLightmapOn(**device, all_.paths_, all_.settings_, map_, request.texels, samples, out.texels,
+                                       progress, all_.rays_);
         return tracePathLightmap(all_.paths_, all_.settings_, map_, request.texels, samples, out, progress, all_.rays_);
     }
 

@@ -3,6 +3,7 @@
 
 #include "bake/same_bakes.h"
 #include "bake/test_room.h"
+#include "bake/test_scene.h"
 #include "bake_gpu/test_device.h"
 
 #include "halflight/bake/bake.h"
@@ -13,9 +14,10 @@
 namespace halflight::test::faults_test {
 namespace {
 
-BakeSettings tinySettings()
+BakeSettings tinySettings(IntegratorKind kind = IntegratorKind::Cache)
 {
     BakeSettings settings;
+    settings.integrator = kind;
     settings.samples = 16;
     settings.shadowSamples = 8;
     settings.lightmapSize = 64;
@@ -34,28 +36,29 @@ struct GpuFaults : testing::Test {
         const auto fails = [this, number] { return ++calls == number; };
         return openBakeDevice({.name = testDeviceName(), .fails = fails});
     }
+    void expectTheProcessorBakesInstead(const BakeSettings& settings);
     std::atomic<int> calls = 0;
 };
 
-TEST_F(GpuFaults, TheProcessorBakesInsteadS6)
+void GpuFaults::expectTheProcessorBakesInstead(const BakeSettings& settings)
 {
     const Scene scene = room(true, true, true);
     auto device = deviceFailingAt(0);
     if (!device) GTEST_SKIP() << device.error().message;
     const int opened = calls;
-    const Result<BakeResult> whole = bake(scene, tinySettings(), gpuIntegrators(*device));
+    const Result<BakeResult> whole = bake(scene, settings, gpuIntegrators(*device));
     ASSERT_TRUE(whole) << whole.error().text();
     EXPECT_TRUE(whole->report.identity.starts_with("gpu-")) << whole->report.identity;
     EXPECT_NE(whole->report.integrator.find("gpu"), std::string::npos) << whole->report.integrator;
     const int all = calls - opened;
     ASSERT_GT(all, 20);
-    const Result<BakeResult> cpu = bake(scene, tinySettings(), embreeIntegrators());
+    const Result<BakeResult> cpu = bake(scene, settings, embreeIntegrators());
     ASSERT_TRUE(cpu);
     constexpr int kMoments = 8;
     for (int moment = 0; moment <= kMoments; ++moment) {
         device = deviceFailingAt(opened + 1 + moment * (all - 1) / kMoments);
         ASSERT_TRUE(device) << device.error().message;
-        const Result<BakeResult> result = bake(scene, tinySettings(), gpuIntegrators(*device));
+        const Result<BakeResult> result = bake(scene, settings, gpuIntegrators(*device));
         ASSERT_TRUE(result) << result.error().text();
         EXPECT_EQ(result->report.identity, cpu->report.identity) << moment;
         const auto& warnings = result->report.warnings;
@@ -63,6 +66,51 @@ TEST_F(GpuFaults, TheProcessorBakesInsteadS6)
             return w.starts_with("the GPU failed");
         })) << moment;
         expectSameBakes(result->baked, cpu->baked);
+    }
+}
+
+TEST_F(GpuFaults, TheProcessorBakesInsteadS6)
+{
+    expectTheProcessorBakesInstead(tinySettings());
+}
+
+TEST_F(GpuFaults, TheProcessorTracesPathsInsteadS6)
+{
+    expectTheProcessorBakesInstead(tinySettings(IntegratorKind::Path));
+}
+
+/// Wherever the device fails while it computes irradiance, that is an error: no texel keeps what was computed before.
+TEST_F(GpuFaults, EachFailureIsAnErrorS6)
+{
+    std::atomic<int> failing = 0;
+    const auto device = openBakeDevice({.name = testDeviceName(), .fails = [&] { return ++calls == failing; }});
+    if (!device) GTEST_SKIP() << device.error().message;
+    for (const IntegratorKind kind : {IntegratorKind::Cache, IntegratorKind::Path}) {
+        IntegrationSettings settings;
+        settings.integrator = kind;
+        settings.samples = 48; // more than the cache's first pass
+        settings.bounces = 2;
+        const auto statusFailingAt = [&](int number) {
+            failing = 0;
+            Bench bench(room(true, true, true), MixedLightingMode::Shadowmask, 64, settings, 1,
+                        gpuIntegrators(*device));
+            std::vector<IrradianceEstimate> out(bench.map.texels.size());
+            calls = 0;
+            failing = number;
+            return bench.irradiance({allIndices(out.size())}, out);
+        };
+        ASSERT_TRUE(statusFailingAt(0)); // makes pipelines, which stay
+        ASSERT_TRUE(statusFailingAt(0));
+        const int all = calls;
+        ASSERT_GT(all, 10);
+        constexpr int kFirst = 3; // memory
+        constexpr int kLast = 40; // commands: every third
+        for (int number = 1; number <= all; ++number) {
+            if (number > kFirst && (number <= all - kLast || (all - number) % 3 != 1)) continue;
+            const Status status = statusFailingAt(number);
+            ASSERT_FALSE(status) << number << " of " << all;
+            EXPECT_EQ(status.error().code, ErrorCode::DeviceFailed);
+        }
     }
 }
 

@@ -1,11 +1,12 @@
-// Continuation paths on a device bring the light that they bring on the processor (spec S6). All but the floor has no
-// lightmap here, so that nearly all gather rays go on as paths. Both sides take the same samples: but for rounding,
-// texels are the same.
+// Paths on a device bring the light that they bring on the processor (spec S6): continuation paths of gather rays, and
+// the whole ones of path-traced bakes. All but the floor has no lightmap here, so that nearly all gather rays go on as
+// paths. Both sides take the same samples: but for rounding, texels are the same.
 
 #include "bake/area_light_scene.h"
 #include "bake/geometry/balls.h"
 #include "bake/test_sky.h"
 #include "bake_gpu/same_light.h"
+#include "transport/trace/device_paths.h"
 
 #include <cmath>
 
@@ -86,8 +87,13 @@ void expectSame(const Scene& scene, const std::shared_ptr<BakeDevice>& device,
                 const IntegrationSettings& settings = settingsOf(), int page = kPage, uint32_t step = 1,
                 float near = 1.0e-3f)
 {
-    expectSameLight(lightOn(embreeIntegrators(), scene, page, settings, step),
-                    lightOn(gpuIntegrators(device), scene, page, settings, step), near);
+    for (const IntegratorKind kind : {IntegratorKind::Cache, IntegratorKind::Path}) {
+        SCOPED_TRACE(kind == IntegratorKind::Path ? "whole paths" : "continuation paths");
+        IntegrationSettings of = settings;
+        of.integrator = kind;
+        expectSameLight(lightOn(embreeIntegrators(), scene, page, of, step),
+                        lightOn(gpuIntegrators(device), scene, page, of, step), near);
+    }
 }
 
 TEST_F(DevicePathsS6, SunLampAndSpot)
@@ -173,17 +179,55 @@ TEST_F(DevicePathsS6, Instances)
     expectSame(scene, device, settingsOf(), balls::kPage, 41);
 }
 
+/// Direct light alone, of texels and by a path that sees a lamp's surface by chance.
+TEST_F(DevicePathsS6, WithoutBounces)
+{
+    Scene scene = court();
+    const int plain = addMaterial(scene, vec3(0.2f), vec3(9.0f, 8.0f, 6.0f));
+    addRectangle(scene, {vec3(-0.8f, 2.9f, -1), vec3(1.6f, 0, 0), vec3(0, 0, 1)}, plain, kPage);
+    scene.sky = skyOf(sunPicture(64, vec3(0.4f, 1, 0.6f), 0.15f, 200.0f), 0.7f);
+    IntegrationSettings settings = settingsOf(0);
+    settings.integrator = IntegratorKind::Path;
+    expectSameLight(lightOn(embreeIntegrators(), scene, kPage, settings),
+                    lightOn(gpuIntegrators(device), scene, kPage, settings), 1.0e-3f);
+}
+
+/// A texel has more paths than a call.
+TEST_F(DevicePathsS6, ManyPathsOfATexel)
+{
+    Scene scene;
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, addMaterial(scene, vec3(0.5f)), kPage,
+                 {vec2(2), vec2(30)});
+    scene.sky = {vec3(1.0f, 0.5f, 0.2f), vec3(0.6f), vec3(0.2f)};
+    IntegrationSettings settings = settingsOf();
+    settings.integrator = IntegratorKind::Path;
+    settings.samples = int(DevicePaths::kMostPaths) + 1000;
+    const auto cpu = lightOn(embreeIntegrators(), scene, kPage, settings, 500);
+    const auto gpu = lightOn(gpuIntegrators(device), scene, kPage, settings, 500);
+    ASSERT_EQ(gpu.size(), 2u);
+    for (std::size_t i = 0; i < gpu.size(); ++i) {
+        EXPECT_EQ(gpu[i].samples, uint32_t(settings.samples));
+        EXPECT_GT(cpu[i].irradiance.x, 1.0f);
+        EXPECT_LT(glm::distance(gpu[i].irradiance, cpu[i].irradiance), 1.0e-4f * cpu[i].irradiance.x);
+        EXPECT_NEAR(gpu[i].varianceOfMean, cpu[i].varianceOfMean, 1.0e-3f * cpu[i].varianceOfMean);
+    }
+}
+
 /// The same bits again, whatever else is asked for.
 TEST_F(DevicePathsS6, BytesRepeat)
 {
     Scene scene = court();
     scene.lights.push_back(bakedLight(LightType::Directional, vec3(0), vec3(0.5f, -1, -0.4f), 4.0f));
     scene.sky = skyOf(sunPicture(64, vec3(0.4f, 1, 0.6f), 0.15f, 200.0f));
-    const auto all = lightOn(gpuIntegrators(device), scene, kPage, settingsOf(), 1);
-    const auto some = lightOn(gpuIntegrators(device), scene, kPage, settingsOf(), 5);
-    for (std::size_t i = 0; i < some.size(); ++i) {
-        EXPECT_EQ(some[i].irradiance, all[5 * i].irradiance);
-        EXPECT_EQ(some[i].moment, all[5 * i].moment);
+    for (const IntegratorKind kind : {IntegratorKind::Cache, IntegratorKind::Path}) {
+        IntegrationSettings settings = settingsOf();
+        settings.integrator = kind;
+        const auto all = lightOn(gpuIntegrators(device), scene, kPage, settings, 1);
+        const auto some = lightOn(gpuIntegrators(device), scene, kPage, settings, 5);
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            EXPECT_EQ(some[i].irradiance, all[5 * i].irradiance);
+            EXPECT_EQ(some[i].moment, all[5 * i].moment);
+        }
     }
 }
 

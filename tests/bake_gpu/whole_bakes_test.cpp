@@ -11,6 +11,7 @@
 #include <cmath>
 #include <iostream>
 #include <sstream>
+#include <tuple>
 
 namespace halflight::test::whole_bakes_test {
 namespace {
@@ -30,17 +31,22 @@ std::vector<std::string> scenes()
     return files;
 }
 
-std::string nameOf(const testing::TestParamInfo<std::string>& info)
+/// A file, and what its light is gathered by.
+using FileAndKind = std::tuple<std::string, IntegratorKind>;
+
+std::string nameOf(const testing::TestParamInfo<FileAndKind>& info)
 {
-    std::string name = std::filesystem::path(info.param).stem().string();
+    const auto& [file, kind] = info.param;
+    std::string name = std::filesystem::path(file).stem().string();
     std::ranges::replace_if(
         name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
-    return name;
+    return name + (kind == IntegratorKind::Path ? "_path" : "");
 }
 
-BakeSettings settingsOf(uint32_t seed, int lightmapSize)
+BakeSettings settingsOf(uint32_t seed, int lightmapSize, IntegratorKind kind)
 {
     BakeSettings settings;
+    settings.integrator = kind;
     settings.samples = 32;
     settings.shadowSamples = 16;
     settings.lightmapSize = lightmapSize;
@@ -132,23 +138,24 @@ struct Pairs {
     }
 };
 
-class WholeBakesS6 : public BakeDeviceTest, public testing::WithParamInterface<std::string> {};
+class WholeBakesS6 : public BakeDeviceTest, public testing::WithParamInterface<FileAndKind> {};
 
 TEST_P(WholeBakesS6, HaveTheProcessorsLight)
 {
-    const Result<Scene> scene = readScene(GetParam());
+    const auto& [file, kind] = GetParam();
+    const Result<Scene> scene = readScene(file);
     ASSERT_TRUE(scene) << scene.error().text();
     Pairs light{"light"};
     Pairs masks{"masks"};
     Pairs probes{"probes"};
     int size = 128; // of pages
     for (uint32_t seed = 1; seed <= kSeeds; ++seed) {
-        Result<BakeResult> cpu = bake(*scene, settingsOf(seed, size), embreeIntegrators());
+        Result<BakeResult> cpu = bake(*scene, settingsOf(seed, size, kind), embreeIntegrators());
         if (!cpu && seed == 1) { // a mesh may have too many charts for small pages
             size *= 2;
-            cpu = bake(*scene, settingsOf(seed, size), embreeIntegrators());
+            cpu = bake(*scene, settingsOf(seed, size, kind), embreeIntegrators());
         }
-        const Result<BakeResult> gpu = bake(*scene, settingsOf(seed, size), gpuIntegrators(device));
+        const Result<BakeResult> gpu = bake(*scene, settingsOf(seed, size, kind), gpuIntegrators(device));
         ASSERT_TRUE(cpu) << cpu.error().text();
         ASSERT_TRUE(gpu) << gpu.error().text();
         ASSERT_TRUE(gpu->report.identity.starts_with("gpu-")) << gpu->report.identity;
@@ -165,7 +172,10 @@ TEST_P(WholeBakesS6, HaveTheProcessorsLight)
     probes.check(kRoundedLight);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, WholeBakesS6, testing::ValuesIn(scenes()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Scenes, WholeBakesS6,
+                         testing::Combine(testing::ValuesIn(scenes()),
+                                          testing::Values(IntegratorKind::Cache, IntegratorKind::Path)),
+                         nameOf);
 
 } // namespace
 } // namespace halflight::test::whole_bakes_test

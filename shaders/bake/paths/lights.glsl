@@ -6,6 +6,7 @@
 #include "emitters.glsl"
 #include "rays.glsl"
 
+#include "bake_gpu/paths/start_layout.h"
 #include "halflight/shading/brdf_sampling.h"
 #include "halflight/shading/sobol.h"
 
@@ -115,6 +116,34 @@ PathLightSample sampleSources(PathSurface s, PathLobe lobe, inout PathSampler nu
     return result;
 }
 
+const float kUniformPdf = 1.0 / (4.0 * kShadingPi); // of directions, per steradian
+
+// Whether light counts from all directions: a point in space has no normal.
+bool isInSpace(PathSurface s)
+{
+    return s.normal == vec3(0.0);
+}
+
+// DirectLight::emitterInSpace(): radiance over its density, per steradian.
+PathLightSample sampleInSpace(PathEmitterSample e, vec3 origin)
+{
+    PathLightSample result = noLight();
+    vec3 way = e.position - origin;
+    float distance2 = dot(way, way);
+    if (!(e.pdfArea > 0.0) || !(distance2 > 0.0)) return result;
+    float distance = sqrt(distance2);
+    vec3 direction = way / distance;
+    float front = -dot(e.normal, direction);
+    float cosine = e.doubleSided ? abs(front) : front;
+    if (!(cosine > 0.0)) return result;
+    float pdf = e.pdfArea * distance2 / cosine;
+    result.light = e.radiance * ((e.rayVisible ? powerHeuristic(pdf, kUniformPdf) : 1.0) / pdf);
+    result.origin = origin;
+    result.direction = direction;
+    result.tMax = distance * kShortOfSurface;
+    return result;
+}
+
 // DirectLight::emitterIrradiance() and reflectedEmitters().
 PathLightSample sampleEmitters(PathSurface s, PathLobe lobe, float otherIlluminance, inout PathSampler numbers)
 {
@@ -127,6 +156,7 @@ PathLightSample sampleEmitters(PathSurface s, PathLobe lobe, float otherIllumina
     if (survival < 1.0 && nextNumber(numbers) >= survival) return result;
     vec2 u = nextPair(numbers);
     PathEmitterSample e = emitterAt(sampleLightsBelow(paths().emitterTree, 0u, origin, s.normal, u.x), u.y);
+    if (isInSpace(s)) return sampleInSpace(e, origin);
     NextEventContribution next = nextEventContribution(origin, s.normal, s.geometricNormal, e.position, e.normal,
                                                        e.pdfArea, e.doubleSided, e.rayVisible);
     if (!(next.distance > 0.0)) return result;
@@ -144,7 +174,7 @@ PathLightSample sampleEmitters(PathSurface s, PathLobe lobe, float otherIllumina
     return result;
 }
 
-// DirectLight::skyIrradiance() and reflectedSky().
+// DirectLight::skyIrradiance(), skyInSpace() and reflectedSky().
 PathLightSample sampleBrightSky(PathSurface s, PathLobe lobe, float otherIlluminance, inout PathSampler numbers)
 {
     PathLightSample result = noLight();
@@ -152,8 +182,8 @@ PathLightSample sampleBrightSky(PathSurface s, PathLobe lobe, float otherIllumin
     float survival = lobe.on ? 1.0 : rouletteSurvival(paths().all.brightIlluminance, otherIlluminance);
     if (survival < 1.0 && nextNumber(numbers) >= survival) return result;
     PathSkySample sky = sampleSky(nextPair(numbers));
-    float cosine = dot(s.normal, sky.direction);
-    if (cosine <= 0.0 || dot(s.geometricNormal, sky.direction) <= 0.0) return result;
+    float cosine = isInSpace(s) ? 1.0 : dot(s.normal, sky.direction);
+    if (cosine <= 0.0 || (!isInSpace(s) && dot(s.geometricNormal, sky.direction) <= 0.0)) return result;
     result.light = lobe.on ? reflectedBy(lobe, sky.direction, sky.radiance / sky.pdf)
                            : sky.radiance * (cosine / (sky.pdf * survival));
     result.origin = rayOriginOf(s);
@@ -162,23 +192,42 @@ PathLightSample sampleBrightSky(PathSurface s, PathLobe lobe, float otherIllumin
     return result;
 }
 
+// Where a path starts it takes samples of emitters and the sky alone, without roulette. What they bring is kept apart.
+bool atStart = false;
+GpuEmission emission;
+
+void keepEmission(int kind, vec3 light, vec3 direction)
+{
+    if (kind == 1) {
+        emission.ofEmitter = light;
+        emission.toEmitter = direction;
+    } else {
+        emission.ofSky = light;
+        emission.toSky = direction;
+    }
+}
+
 // One sample of each kind with its shadow: irradiance, or the radiance that the lobe reflects. All in one loop, so that
 // the code of a shadow ray is there once.
 vec3 sampledLight(PathSurface s, PathLobe lobe, inout PathSampler numbers)
 {
     vec3 sum = vec3(0.0);
-    for (int kind = 0; kind < 3; ++kind) {
+    for (int kind = atStart ? 1 : 0; kind < 3; ++kind) {
+        float other = atStart ? 0.0 : luminanceOf(sum);
         PathLightSample next;
         if (kind == 0)
             next = sampleSources(s, lobe, numbers);
         else if ((kind == 1) != lobe.on) // lobes have the sky first
-            next = sampleEmitters(s, lobe, luminanceOf(sum), numbers);
+            next = sampleEmitters(s, lobe, other, numbers);
         else
-            next = sampleBrightSky(s, lobe, luminanceOf(sum), numbers);
-        if (next.light == vec3(0.0)) continue;
-        float passed = 1.0;
-        if (next.tMax >= 0.0) passed = transmittance(next.origin, next.direction, next.tMax, kMultiplies);
-        sum += next.light * mix(1.0, passed, next.shadowStrength);
+            next = sampleBrightSky(s, lobe, other, numbers);
+        vec3 light = next.light;
+        if (light != vec3(0.0) && next.tMax >= 0.0) {
+            float passed = transmittance(next.origin, next.direction, next.tMax, kMultiplies);
+            light *= mix(1.0, passed, next.shadowStrength);
+        }
+        sum += light;
+        if (atStart) keepEmission(kind, light, next.direction);
     }
     return sum;
 }

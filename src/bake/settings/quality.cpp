@@ -121,7 +121,6 @@ BakeQuality qualityOf(const BakeSettings& settings, const Scene& scene)
 
 std::string whyProcessorGathers(const Scene& scene, const BakeSettings& settings)
 {
-    if (settings.integrator == IntegratorKind::Path) return "the processor gathers light: --integrator path is its own";
     const auto lightHas = [](const Light& light) { return !light.group.empty() || !light.directions.empty(); };
     const bool named = std::ranges::any_of(scene.lights, lightHas) || !scene.sky.group.empty() || scene.sky.changes ||
                        std::ranges::any_of(scene.materials, [](const Material& m) { return !m.group.empty(); });

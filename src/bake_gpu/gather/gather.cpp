@@ -1,6 +1,6 @@
 #include "bake_gpu/gather/gather.h"
 
-#include "bake_gpu/gather/gather_layout.h"
+#include "bake_gpu/gather/gather_tables.h"
 #include "transport/lightmap/next_event.h"
 
 #include "halflight/base/parallel.h"
@@ -23,12 +23,6 @@ static_assert(sizeof(Guides::Entry) == sizeof(GpuEntry) && sizeof(LightClusters:
 static_assert(sizeof(LightClusters::SourceTriangle) == sizeof(GpuSourceTriangle));
 static_assert(sizeof(AliasBin) == sizeof(GpuAliasBin) && sizeof(LightClusters::Member) == sizeof(GpuMember));
 
-/// Tables in shaders/bake/gather.glsl.
-struct Tables {
-    VkDeviceAddress scene, pattern, radii, angles, surfaces, normals, elements, patches, guideOfPatch, sourcesOfGuide,
-        guides, entries, cumulative, clusters, triangles, sourceMasks, bins, members, picture, paths;
-    GpuGatherConstants all;
-};
 /// Lists in shaders/bake/gather.glsl.
 struct Lists {
     VkDeviceAddress mapTexels, fragments, requests, texels, points, blocks, rays, hits, gathered, sourceRays, sources,
@@ -41,20 +35,10 @@ struct Push {
 /// Of paths/paths.rgen.
 struct PathPush {
     VkDeviceAddress scene, tables, lists;
-    uint32_t unused = 0; ///< the shaders of hits have one number more
+    uint32_t whole = 0; ///< paths go on from open rays
 };
 
 constexpr std::size_t kMostRays = DeviceGather::kMostBlocks * kPatternBlock;
-
-std::vector<vec3> normalsOf(const RayTracer& surfaces)
-{
-    std::vector<vec3> normals(surfaces.hitTriangleCount());
-    parallelFor(normals.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            normals[i] = surfaces.geometry().geometricNormal(surfaces.triangleAt(uint32_t(i)));
-    });
-    return normals;
-}
 
 } // namespace
 
@@ -100,8 +84,9 @@ struct GpuGather::Workspace {
 GpuGather::~GpuGather() = default;
 
 GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const GatherTables& tables)
-    : device_(device), scene_(scene), pathTables_(device.device(), scene, surfaces, tables), paths_(device.paths()),
-      emitters_(tables.paths.light().samplesEmission() ? &device.emitters() : nullptr),
+    : device_(device), scene_(scene),
+      pathTables_(device.device(), scene, surfaces, tables.paths, tables.bounces, &tables.cache),
+      paths_(device.paths()), emitters_(tables.paths.light().samplesEmission() ? &device.emitters() : nullptr),
       anyEmitters_(!tables.paths.light().emitters().empty())
 {
     gpu::Device& on = device.device();
@@ -112,15 +97,12 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     const PatchLayout& layout = tables.cache.layout();
     const StratifiedPattern::Tables pattern = tables.pattern.tables();
     const LightClusters& clusters = tables.guides.clusters();
-    const SkyLight& skyLight = tables.paths.light().sky();
-    const Sky& sky = skyLight.sky();
-    Tables t{};
-    t.scene = scene.address();
+    GatherAddresses t{};
+    addScene(on, scene, tables.paths, buffers_, t);
     t.pattern = keep(pattern.points);
     t.radii = keep(pattern.radii);
     t.angles = keep(pattern.angles);
     t.surfaces = keep(layout.surfaces);
-    t.normals = keep(normalsOf(tables.paths.surfaces()));
     t.elements = keep(layout.elements);
     t.patches = keep(tables.cache.patches());
     t.guideOfPatch = keep(tables.guides.guideOfPatch());
@@ -139,8 +121,6 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.sourceMasks = keep(masks);
     t.bins = keep(clusters.bins());
     t.members = keep(clusters.members());
-    const ImageRgb32f* picture = sky.picture.get();
-    t.picture = keep(picture != nullptr ? std::span<const vec3>(picture->texels()) : std::span<const vec3>());
     t.paths = pathTables_.address();
     t.all.seed = tables.seed;
     t.all.sourceSeed = tables.seed ^ kSourceSeed;
@@ -151,14 +131,7 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.all.memberCount = uint32_t(clusters.members().size());
     // Without sources there are no guides.
     t.all.guidedPatches = tables.guides.empty() ? 0 : uint32_t(tables.guides.guideOfPatch().size());
-    t.all.sky = (skyLight.black() ? 0u : kSky) | (picture != nullptr ? kSkyPicture : 0u);
-    t.all.zenith = sky.zenith;
-    t.all.horizon = sky.horizon;
-    t.all.ground = sky.ground;
-    t.all.pictureSize = picture != nullptr ? picture->size() : ivec2(0);
-    t.all.turn = skyLight.turn();
-    t.all.limit = skyLight.limit();
-    tables_ = bufferOf(on, std::span<const Tables>(&t, 1));
+    tables_ = bufferOf(on, std::span<const GatherAddresses>(&t, 1));
     workspace_ = std::make_unique<Workspace>(on, tables);
 }
 

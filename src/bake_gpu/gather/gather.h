@@ -3,6 +3,7 @@
 
 #include "bake_gpu/gather/path_tables.h"
 #include "bake_gpu/texel_lists.h"
+#include "transport/lightmap/device_gather.h"
 
 #include <mutex>
 

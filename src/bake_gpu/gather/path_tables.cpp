@@ -52,41 +52,35 @@ GpuPathMaterial pathMaterialOf(const BakeGeometry& geometry, const TransportMate
 
 } // namespace
 
-PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces,
-                       const GatherTables& tables)
+PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths,
+                       int bounces, const RadianceCache* cache)
 {
     Addresses to{};
-    addSurfaces(device, tables, to);
+    addSurfaces(device, paths.surfaces(), to);
+    addFaces(device, scene, paths, to);
     to.surfaces = surfaces.address();
-    addPictures(device, tables.paths.surfaces().materials(), to);
-    addLights(device, scene, tables, to);
-    for (std::size_t i = 0; i < kPathLevels; ++i) {
-        const std::span<const vec3> level = tables.cache.levels()[i];
-        to.levels[i] = keep(device, level);
-        if (!level.empty()) to.all.levels |= 1u << i;
-    }
-    to.all.bounces = tables.bounces;
-    to.all.levelOfFirst = tables.cache.converged() ? 0 : tables.cache.bounces() - tables.bounces;
-    to.all.levelsPerBounce = tables.cache.converged() ? 0 : 1;
-    to.all.glossy = tables.paths.glossy() ? 1 : 0;
+    addPictures(device, paths.surfaces().materials(), to);
+    addLights(device, paths.light(), to);
+    if (cache != nullptr) addLevels(device, *cache, bounces, to);
+    to.all.bounces = bounces;
+    to.all.glossy = paths.glossy() ? 1 : 0;
     tables_ = bufferOf(device, std::span<const Addresses>(&to, 1));
 }
 
-void PathTables::addSurfaces(gpu::Device& device, const GatherTables& tables, Addresses& to)
+void PathTables::addLevels(gpu::Device& device, const RadianceCache& cache, int bounces, Addresses& to)
 {
-    const RayTracer& surfaces = tables.paths.surfaces();
+    for (std::size_t i = 0; i < kPathLevels; ++i) {
+        const std::span<const vec3> level = cache.levels()[i];
+        to.levels[i] = keep(device, level);
+        if (!level.empty()) to.all.levels |= 1u << i;
+    }
+    to.all.levelOfFirst = cache.converged() ? 0 : cache.bounces() - bounces;
+    to.all.levelsPerBounce = cache.converged() ? 0 : 1;
+}
+
+void PathTables::addSurfaces(gpu::Device& device, const RayTracer& surfaces, Addresses& to)
+{
     const BakeGeometry& geometry = surfaces.geometry();
-    const Emitters& emitters = tables.paths.light().emitters();
-    std::vector<GpuPathFace> faces(surfaces.hitTriangleCount());
-    parallelFor(faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const uint32_t triangle = surfaces.triangleAt(uint32_t(i));
-            const uint32_t hidden = surfaces.materials().backIsHidden(triangle) ? kHiddenBack : 0;
-            faces[i] = {geometry.storedOf(triangle).index, geometry.partNumberOf(triangle) | hidden,
-                        emitters.itemOf(triangle)};
-        }
-    });
-    to.faces = keep(device, faces);
     const auto materials = uint32_t(surfaces.materials().all().size());
     std::vector<GpuPathPart> parts;
     for (const BakeGeometry::Part& part : geometry.parts)
@@ -100,6 +94,36 @@ void PathTables::addSurfaces(gpu::Device& device, const GatherTables& tables, Ad
     for (const TransportMaterial& material : surfaces.materials().all())
         looks.push_back(pathMaterialOf(geometry, material));
     to.materials = keep(device, looks);
+}
+
+/// The triangles that rays hit, and those of them that emit.
+void PathTables::addFaces(gpu::Device& device, const GpuScene& scene, const PathTracer& paths, Addresses& to)
+{
+    const RayTracer& surfaces = paths.surfaces();
+    const BakeGeometry& geometry = surfaces.geometry();
+    const Emitters& emissive = paths.light().emitters();
+    std::vector<uint32_t> hitIndexOfEmitter(emissive.all().size(), kNone);
+    std::vector<GpuPathFace> faces(surfaces.hitTriangleCount());
+    parallelFor(faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const uint32_t triangle = surfaces.triangleAt(uint32_t(i));
+            const uint32_t hidden = surfaces.materials().backIsHidden(triangle) ? kHiddenBack : 0;
+            const uint32_t emitter = emissive.itemOf(triangle);
+            faces[i] = {geometry.storedOf(triangle).index, geometry.partNumberOf(triangle) | hidden, emitter};
+            if (emitter != Emitters::kNone) hitIndexOfEmitter[emitter] = uint32_t(i);
+        }
+    });
+    to.faces = keep(device, faces);
+    std::vector<GpuEmitter> emitters;
+    for (std::size_t i = 0; i < hitIndexOfEmitter.size(); ++i) {
+        const Emitters::Emissive& e = emissive.all()[i];
+        const uint32_t hitIndex = hitIndexOfEmitter[i];
+        const uint32_t flags =
+            (e.uniform ? kUniform : 0) | (e.doubleSided ? kDoubleSided : 0) | (e.rayVisible ? kRayVisible : 0);
+        emitters.push_back({e.origin, e.edge1, e.edge2, e.normal, e.radiance, e.inverseArea, hitIndex,
+                            scene.maskedOf(hitIndex), flags});
+    }
+    to.emitters = keep(device, emitters);
 }
 
 void PathTables::addPictures(gpu::Device& device, const Materials& materials, Addresses& to)
@@ -117,9 +141,8 @@ void PathTables::addPictures(gpu::Device& device, const Materials& materials, Ad
     to.linear = keep(device, kLinearFromSrgb8);
 }
 
-void PathTables::addLights(gpu::Device& device, const GpuScene& scene, const GatherTables& tables, Addresses& to)
+void PathTables::addLights(gpu::Device& device, const SceneLight& light, Addresses& to)
 {
-    const SceneLight& light = tables.paths.light();
     std::vector<LightSource> lights(light.lights().begin(), light.lights().end());
     to.lights = keep(device, lights);
     const SceneLight::Chooser& chooser = light.chooser(0);
@@ -129,15 +152,6 @@ void PathTables::addLights(gpu::Device& device, const GpuScene& scene, const Gat
     to.all.anyLights = lights.empty() ? 0 : 1;
     to.all.alwaysCount = uint32_t(chooser.always.size());
     to.all.lightNodes = uint32_t(chooser.tree.nodes().size());
-    std::vector<GpuEmitter> emitters;
-    for (const Emitters::Emissive& e : light.emitters().all()) {
-        const uint32_t hitIndex = tables.cache.layout().hitIndexOfTriangle[e.triangle];
-        const uint32_t flags =
-            (e.uniform ? kUniform : 0) | (e.doubleSided ? kDoubleSided : 0) | (e.rayVisible ? kRayVisible : 0);
-        emitters.push_back({e.origin, e.edge1, e.edge2, e.normal, e.radiance, e.inverseArea, hitIndex,
-                            scene.maskedOf(hitIndex), flags});
-    }
-    to.emitters = keep(device, emitters);
     to.emitterTree = keep(device, light.emitters().tree().nodes());
     to.leafOfEmitter = keep(device, light.emitters().tree().leafOfItem());
     to.all.emitterNodes = uint32_t(light.emitters().tree().nodes().size());

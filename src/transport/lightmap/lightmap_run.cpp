@@ -151,8 +151,12 @@ Status LightmapRun::extendOnDevice(std::span<const uint32_t> places, std::span<c
     for (std::size_t i = 0; i < places.size(); ++i)
         requests[i] = {texelAt(places[i]), blocks[i], &stateAt(places[i]).estimate};
     const BatchGather gather(*input_.state.device, input_.map, input_.paths.light().samplesEmission());
-    if (Status s = gather.add(requests, firstBlock, progress_, rays_); !s) return s;
-    return input_.paths.surfaces().outcome(true);
+    const RayTracer& surfaces = input_.paths.surfaces();
+    if (Status s = gather.add(requests, firstBlock, progress_, rays_); !s) {
+        if (s.error().code != ErrorCode::Cancelled) surfaces.keep(s.error());
+        return s;
+    }
+    return surfaces.outcome(true);
 }
 
 /// Calls add(gather, group, estimates, rays) for groups of texels and their estimates.

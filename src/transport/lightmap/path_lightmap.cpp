@@ -1,6 +1,7 @@
 #include "transport/lightmap/path_lightmap.h"
 
 #include "transport/sample/running_moments.h"
+#include "transport/trace/device_paths.h"
 
 #include "halflight/base/finite.h"
 #include "halflight/base/parallel.h"
@@ -11,6 +12,20 @@
 
 namespace halflight {
 namespace {
+
+using FromEmission = DirectLight::EmitterAtSurface;
+
+/// Adds what one path and the samples at its start bring. False: lights of extreme size or intensity overflow, and the
+/// sample counts as black. `direction`: where `bounced` light comes from.
+bool addSample(const FromEmission& emitter, const FromEmission& sky, vec3 bounced, vec3 direction, RunningMoments& to)
+{
+    const vec3 value = emitter.irradiance + sky.irradiance + bounced;
+    const bool finite = isFinite(value);
+    const vec3 moment = luminance(emitter.irradiance) * emitter.direction + luminance(sky.irradiance) * sky.direction +
+                        luminance(bounced) * direction;
+    to.add(finite ? value : vec3(0.0f), finite ? moment : vec3(0.0f));
+    return finite;
+}
 
 /// Irradiance is pi times the mean radiance of cosine-distributed paths (pdf cos / pi), plus emitter samples.
 RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settings, const TexelPoints& points,
@@ -24,18 +39,13 @@ RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settin
         Sampler sampler(settings.seed, id, uint32_t(s));
         const vec3 direction = gatherDirection(point, sampler.next2());
         const float pdf = gatherPdf(point.normal, direction);
-        const DirectLight::EmitterAtSurface emitter = paths.direct().emitterIrradiance(point, 0.0f, sampler, rays);
-        const DirectLight::EmitterAtSurface sky = paths.direct().skyIrradiance(point, 0.0f, sampler, rays);
+        const FromEmission emitter = paths.direct().emitterIrradiance(point, 0.0f, sampler, rays);
+        const FromEmission sky = paths.direct().skyIrradiance(point, 0.0f, sampler, rays);
         const PathTracer::Incoming in =
             paths.incoming({paths.surfaces().rayOrigin(point), point.normal}, direction, pdf, settings.bounces, sampler,
                            rays, components.empty() ? nullptr : &lights);
         const vec3 bounced = kPi * in.radiance;
-        const vec3 value = emitter.irradiance + sky.irradiance + bounced;
-        // Lights of extreme size or intensity may overflow.
-        const bool finite = isFinite(value);
-        const vec3 moment = luminance(emitter.irradiance) * emitter.direction +
-                            luminance(sky.irradiance) * sky.direction + luminance(bounced) * direction;
-        gathered.add(finite ? value : vec3(0.0f), finite ? moment : vec3(0.0f));
+        const bool finite = addSample(emitter, sky, bounced, direction, gathered);
         if (components.empty()) continue;
         std::ranges::fill(sample, RunningMoments{});
         const auto addTo = [&](int component, vec3 irradiance, vec3 from) {
@@ -90,7 +100,103 @@ bool walkGetsOut(const PathTracer& paths, SurfacePoint point, std::span<const ve
     return false;
 }
 
+/// The valid points of a texel, from which paths start.
+int startsOf(const PathTracer& paths, const TexelMap& map, const Texel& texel, TexelPoints& points)
+{
+    const BakeGeometry& geometry = paths.surfaces().geometry();
+    int count = texelPoints(geometry, map, texel, points);
+    keepPoints(texel.validPoints, points, count);
+    spreadOverSides(geometry, points, count);
+    return count;
+}
+
+IrradianceEstimate meansOf(const RunningMoments& from)
+{
+    IrradianceEstimate estimate;
+    estimate.irradiance = from.mean();
+    estimate.moment = from.meanMoment();
+    estimate.varianceOfMean = from.varianceOfMean();
+    estimate.samples = from.count;
+    return estimate;
+}
+
+/// Texels whose paths a device traces in one call, or in several where each has many.
+class TexelsOnDevice {
+public:
+    TexelsOnDevice(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels)
+        : map_(map), texels_(texels), moments_(texels.size())
+    {
+        TexelPoints points;
+        for (const uint32_t texel : texels) {
+            if (map.texels[texel].validPoints == 0) continue;
+            const int count = startsOf(paths, map, map.texels[texel], points);
+            items_.push_back({texelId(map, map.texels[texel]), uint32_t(points_.size()), uint32_t(count)});
+            for (const SurfacePoint& p : std::span(points).first(std::size_t(count)))
+                points_.push_back({p.position, p.normal, p.geometricNormal});
+        }
+    }
+
+    Status trace(const DevicePaths& device, uint32_t seed, uint32_t samples, uint64_t& rays)
+    {
+        for (uint32_t first = 0; first < samples; first += DevicePaths::kMostPaths) {
+            const uint32_t count = std::min(samples - first, DevicePaths::kMostPaths);
+            const auto use = [&](std::span<const DevicePaths::Arrival> arrivals,
+                                 std::span<const DevicePaths::Emission> emissions) {
+                for (std::size_t i = 0; i < arrivals.size(); ++i) {
+                    const DevicePaths::Arrival& a = arrivals[i];
+                    const DevicePaths::Emission e = emissions.empty() ? DevicePaths::Emission() : emissions[i];
+                    addSample({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, kPi * a.radiance, a.direction,
+                              moments_[i / count]);
+                    rays += a.rays;
+                }
+            };
+            if (Status s = device.trace({points_, items_, seed, first, count}, use); !s) return s;
+        }
+        return {};
+    }
+
+    void write(std::span<IrradianceEstimate> out) const
+    {
+        std::size_t item = 0;
+        for (std::size_t i = 0; i < texels_.size(); ++i) {
+            const bool valid = map_.texels[texels_[i]].validPoints != 0;
+            out[i] = valid ? meansOf(moments_[item++]) : IrradianceEstimate();
+            out[i].valid = valid;
+        }
+    }
+
+private:
+    const TexelMap& map_;
+    std::span<const uint32_t> texels_;
+    std::vector<DevicePaths::Point> points_;
+    std::vector<DevicePaths::Item> items_; ///< of valid texels
+    std::vector<RunningMoments> moments_;  ///< by item
+};
+
 } // namespace
+
+Status tracePathLightmapOn(const DevicePaths& device, const PathTracer& paths, const IntegrationSettings& settings,
+                           const TexelMap& map, std::span<const uint32_t> texels, int samples,
+                           std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    // The same texels in a call each time: on some devices a ray's neighbours decide what it hits at an edge.
+    const std::size_t most = std::clamp(DevicePaths::kMostPaths / uint32_t(samples), 1u, DevicePaths::kMostItems);
+    const std::size_t calls = (texels.size() + most - 1) / most;
+    const bool finished = parallelFor(calls, 1, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
+        for (std::size_t call = begin; call < end; ++call) {
+            if (progress.cancelled() || paths.surfaces().failed()) return;
+            const std::size_t first = call * most;
+            const std::size_t count = std::min(most, texels.size() - first);
+            uint64_t traced = 0;
+            TexelsOnDevice some(paths, map, texels.subspan(first, count));
+            if (Status s = some.trace(device, settings.seed, uint32_t(samples), traced); !s)
+                paths.surfaces().keep(s.error());
+            some.write(out.subspan(first, count));
+            rays += traced;
+        }
+    });
+    return paths.surfaces().outcome(finished);
+}
 
 Status tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
                          std::span<const uint32_t> texels, int samples, const TexelLight& out, const Progress& progress,
@@ -104,19 +210,11 @@ Status tracePathLightmap(const PathTracer& paths, const IntegrationSettings& set
         std::ranges::fill(ofComponents, estimate);
         if (!estimate.valid) return estimate;
         TexelPoints points;
-        int pointCount = texelPoints(paths.surfaces().geometry(), map, texel, points);
-        keepPoints(texel.validPoints, points, pointCount);
-        spreadOverSides(paths.surfaces().geometry(), points, pointCount);
+        const int pointCount = startsOf(paths, map, texel, points);
         const uint32_t id = texelId(map, texel);
         std::vector<RunningMoments> components(ofComponents.size());
-        const auto take = [](const RunningMoments& from, IrradianceEstimate& to) {
-            to.irradiance = from.mean();
-            to.moment = from.meanMoment();
-            to.varianceOfMean = from.varianceOfMean();
-            to.samples = from.count;
-        };
-        take(gather(paths, settings, points, pointCount, samples, id, components, traced), estimate);
-        for (std::size_t c = 0; c < components.size(); ++c) take(components[c], ofComponents[c]);
+        estimate = meansOf(gather(paths, settings, points, pointCount, samples, id, components, traced));
+        for (std::size_t c = 0; c < components.size(); ++c) ofComponents[c] = meansOf(components[c]);
         return estimate;
     };
     const bool finished =

@@ -20,8 +20,10 @@ namespace halflight {
 enum class RayUse { Light, Camera };
 
 class DeviceGather;
+class DevicePaths;
 class DeviceShadows;
 class DeviceValidity;
+class PathTracer;
 struct GatherTables;
 struct ShadowTables;
 
@@ -57,6 +59,8 @@ public:
     /// The final gather of whole batches of texels (lightmap/device_gather.h); null where rays are traced by the verbs
     /// above. The kernels outlive it.
     [[nodiscard]] virtual Result<std::unique_ptr<DeviceGather>> prepareGather(const GatherTables& tables) const;
+    /// Whole paths with up to `bounces` reflections (device_paths.h); null as above. `paths` has these kernels.
+    [[nodiscard]] virtual Result<std::unique_ptr<DevicePaths>> preparePaths(const PathTracer& paths, int bounces) const;
     /// Shadow rays of a map's texels (shadows/device_shadows.h); null as above.
     [[nodiscard]] virtual Result<std::unique_ptr<DeviceShadows>> prepareShadows(const ShadowTables& tables) const;
     /// Tests of sample points (texels/device_validity.h); null as above.

@@ -1,5 +1,7 @@
 #include "transport/trace/ray_tracer.h"
 
+#include "transport/trace/device_paths.h"
+
 namespace halflight {
 
 void RayTracer::keep(const Error& error) const
@@ -29,6 +31,12 @@ SurfaceHit RayTracer::surfaceAt(const RayHit& at) const
     hit.reflectance = materials().reflectanceAt(triangle, at.barycentric);
     if (!back || !materials().backIsHidden(triangle)) hit.emission = materials().emissionAt(triangle, at.barycentric);
     return hit;
+}
+
+/// Kernels without a device.
+Result<std::unique_ptr<DevicePaths>> RayKernels::preparePaths(const PathTracer& /*paths*/, int /*bounces*/) const
+{
+    return std::unique_ptr<DevicePaths>();
 }
 
 } // namespace halflight

@@ -72,6 +72,9 @@ public:
         return share;
     }
 
+    /// For what a device does besides these verbs: its rays meet nothing from then on, and outcome() says why. The
+    /// first error is kept.
+    void keep(const Error& error) const;
     /// Whether the device is lost: then no result counts.
     [[nodiscard]] bool failed() const { return failed_.load(std::memory_order_relaxed); }
     /// What a loop over rays returns: the error of a lost device, whichever thread met it first; else whether it was
@@ -95,7 +98,6 @@ private:
         std::fill(out.begin(), out.end(), nothing);
         keep(error);
     }
-    void keep(const Error& error) const;
 
     std::unique_ptr<RayKernels> kernels_;
     mutable std::mutex mutex_; ///< guards error_

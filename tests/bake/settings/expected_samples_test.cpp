@@ -69,6 +69,13 @@ TEST(ProcessorGathers, LightOfGroupsS33)
     EXPECT_EQ(whyProcessorGathers(scene, settings), "");
 }
 
+TEST(ProcessorGathers, NoWholePathsS6)
+{
+    BakeSettings settings;
+    settings.integrator = IntegratorKind::Path;
+    EXPECT_EQ(whyProcessorGathers(floorScene(), settings), "");
+}
+
 TEST(ProcessorGathers, LightThroughColoredGlassS35)
 {
     Scene scene = floorScene();

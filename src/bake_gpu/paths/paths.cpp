@@ -1,0 +1,139 @@
+#include "bake_gpu/paths/paths.h"
+
+#include "bake_gpu/gather/gather_tables.h"
+#include "bake_gpu/paths/start_layout.h"
+
+#include <cassert>
+#include <cstring>
+
+namespace halflight {
+namespace {
+
+using namespace shading;
+
+static_assert(sizeof(DevicePaths::Point) == sizeof(GpuPoint) && sizeof(DevicePaths::Item) == sizeof(GpuPathItem));
+static_assert(sizeof(DevicePaths::Arrival) == sizeof(GpuArrival));
+static_assert(sizeof(DevicePaths::Emission) == sizeof(GpuEmission));
+
+/// PathStarts in shaders/bake/paths/starts.glsl.
+struct StartLists {
+    VkDeviceAddress points, items, arrivals, emissions;
+    GpuPathCall all;
+};
+/// Of paths/paths.rgen.
+struct WholePathPush {
+    VkDeviceAddress scene, tables, lists;
+    uint32_t whole = 1;
+};
+
+/// Calls that run at one time: the device traces one while threads make and read the others.
+constexpr std::size_t kWorkspaces = 3;
+
+} // namespace
+
+/// Buffers of one call. The device reads points in the processor's memory, each of them a few times. Results are copied
+/// there, because single writes to it are slow.
+struct GpuPaths::Workspace {
+    Workspace(gpu::Device& device, bool samplesEmission)
+        : points(device, std::size_t(kMostItems) * kMostPointsOfItem * sizeof(Point), gpu::kAddressed,
+                 gpu::MemoryUse::Upload),
+          items(device, kMostItems * sizeof(Item), gpu::kAddressed, gpu::MemoryUse::Upload),
+          lists(device, sizeof(StartLists), gpu::kAddressed, gpu::MemoryUse::Upload),
+          arrivals(device, kMostPaths * sizeof(Arrival), gpu::kAddressed, gpu::MemoryUse::Device),
+          arrived(device, kMostPaths * sizeof(Arrival), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback)
+    {
+        if (!samplesEmission) return;
+        emissions = {device, kMostPaths * sizeof(Emission), gpu::kAddressed, gpu::MemoryUse::Device};
+        emitted = {device, kMostPaths * sizeof(Emission), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+    }
+    gpu::Buffer points, items, lists, arrivals, arrived;
+    gpu::Buffer emissions, emitted; ///< empty where nothing is sampled
+};
+
+/// Takes a workspace as long as it lives, and waits for one that is free.
+class GpuPaths::Turn {
+public:
+    explicit Turn(const GpuPaths& paths) : paths_(paths)
+    {
+        std::unique_lock lock(paths.mutex_);
+        paths.freed_.wait(lock, [&] { return !paths.free_.empty(); });
+        workspace_ = paths.free_.back();
+        paths.free_.pop_back();
+    }
+    ~Turn()
+    {
+        {
+            const std::lock_guard lock(paths_.mutex_);
+            paths_.free_.push_back(workspace_);
+        }
+        paths_.freed_.notify_one();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+    [[nodiscard]] const Workspace& workspace() const { return *workspace_; }
+
+private:
+    const GpuPaths& paths_;
+    Workspace* workspace_;
+};
+
+GpuPaths::~GpuPaths() = default;
+
+GpuPaths::GpuPaths(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths,
+                   int bounces)
+    : device_(device), scene_(scene), pathTables_(device.device(), scene, surfaces, paths, bounces, nullptr),
+      pipeline_(device.paths()), samplesEmission_(paths.light().samplesEmission())
+{
+    GatherAddresses tables{};
+    addScene(device.device(), scene, paths, buffers_, tables);
+    tables.paths = pathTables_.address();
+    tables_ = bufferOf(device.device(), std::span<const GatherAddresses>(&tables, 1));
+    for (std::size_t i = 0; i < kWorkspaces; ++i) {
+        workspaces_.push_back(std::make_unique<Workspace>(device.device(), samplesEmission_));
+        free_.push_back(workspaces_.back().get());
+    }
+}
+
+Status GpuPaths::trace(const Batch& batch, const Use& use) const
+{
+    const std::size_t count = batch.items.size() * batch.pathsOfItem;
+    assert(batch.items.size() <= kMostItems && count <= kMostPaths);
+    assert(batch.points.size() <= batch.items.size() * kMostPointsOfItem);
+    if (count == 0) return {};
+    const Turn turn(*this);
+    const Workspace& w = turn.workspace();
+    try {
+        run(w, batch);
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what()};
+    }
+    use({reinterpret_cast<const Arrival*>(w.arrived.mapped()), count},
+        {reinterpret_cast<const Emission*>(samplesEmission_ ? w.emitted.mapped() : nullptr),
+         samplesEmission_ ? count : 0});
+    return {};
+}
+
+/// Traces the paths of a batch; what they bring is in the processor's memory afterwards.
+void GpuPaths::run(const Workspace& w, const Batch& batch) const
+{
+    const std::size_t count = batch.items.size() * batch.pathsOfItem;
+    const StartLists lists{w.points.address(),
+                           w.items.address(),
+                           w.arrivals.address(),
+                           w.emissions.address(),
+                           {batch.seed, uint32_t(batch.items.size()), batch.firstPath, batch.pathsOfItem}};
+    std::memcpy(w.points.mapped(), batch.points.data(), batch.points.size_bytes());
+    std::memcpy(w.items.mapped(), batch.items.data(), batch.items.size_bytes());
+    std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
+    gpu::Device& device = device_.device();
+    device.execute([&](VkCommandBuffer commands) {
+        const WholePathPush push{scene_.address(), tables_.address(), w.lists.address()};
+        pipeline_.run(commands, gpu::bytesOf(push), raysOfChunks(uint32_t(batch.items.size()), batch.pathsOfItem));
+        gpu::copyBytes(device, commands, {w.arrivals}, {w.arrived}, count * sizeof(Arrival));
+        if (samplesEmission_) gpu::copyBytes(device, commands, {w.emissions}, {w.emitted}, count * sizeof(Emission));
+        gpu::fullBarrier(device, commands);
+    });
+}
+
+} // namespace halflight
