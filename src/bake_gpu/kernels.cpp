@@ -104,22 +104,32 @@ Status GpuKernels::crossings(std::span<const Ray> rays, std::span<int> out) cons
 
 const GpuSurfaces& GpuKernels::surfaces() const
 {
-    const std::lock_guard lock(surfacesMutex_);
+    const std::lock_guard lock(laterMutex_);
     if (!surfaces_) surfaces_.emplace(device_->device(), gpuScene_, scene_.geometry());
     return *surfaces_;
+}
+
+/// `paths` is the one that has these kernels.
+const PathTables& GpuKernels::pathTables(const PathTracer& paths) const
+{
+    const GpuSurfaces& places = surfaces();
+    const std::lock_guard lock(laterMutex_);
+    if (!pathTables_) pathTables_.emplace(device_->device(), gpuScene_, places, paths);
+    return *pathTables_;
 }
 
 Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTables& tables) const
 {
     if (scene_.anyTinted()) return std::unique_ptr<DeviceGather>();
-    return made<DeviceGather>([&] { return std::make_unique<GpuGather>(*device_, gpuScene_, surfaces(), tables); });
+    return made<DeviceGather>(
+        [&] { return std::make_unique<GpuGather>(*device_, gpuScene_, pathTables(tables.paths), tables); });
 }
 
 Result<std::unique_ptr<DevicePaths>> GpuKernels::preparePaths(const PathTracer& paths, int bounces) const
 {
     if (scene_.anyTinted() || paths.light().components() > 0) return std::unique_ptr<DevicePaths>();
     return made<DevicePaths>(
-        [&] { return std::make_unique<GpuPaths>(*device_, gpuScene_, surfaces(), paths, bounces); });
+        [&] { return std::make_unique<GpuPaths>(*device_, gpuScene_, pathTables(paths), paths, bounces); });
 }
 
 Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTables& tables) const

@@ -1,7 +1,7 @@
 #pragma once
 // Vulkan's ray-tracing pipelines behind RayKernels.
 
-#include "bake_gpu/gpu_surfaces.h"
+#include "bake_gpu/gather/path_tables.h"
 #include "transport/trace/ray_kernels.h"
 
 #include <mutex>
@@ -43,13 +43,15 @@ private:
 
     /// Made when they are first asked for. Throws gpu::Failure.
     const GpuSurfaces& surfaces() const;
+    const PathTables& pathTables(const PathTracer& paths) const;
 
     const RayScene& scene_;
     std::shared_ptr<BakeDevice> device_;
     std::unique_ptr<RayKernels> cpu_;
     GpuScene gpuScene_;
-    mutable std::mutex surfacesMutex_; ///< guards surfaces_
+    mutable std::mutex laterMutex_; ///< guards what follows
     mutable std::optional<GpuSurfaces> surfaces_;
+    mutable std::optional<PathTables> pathTables_;
 };
 
 } // namespace halflight

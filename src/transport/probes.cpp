@@ -18,6 +18,43 @@ constexpr uint32_t kProbeSeed = 0x5eed0003u;
 /// Baked lights whose shadows a probe traces with all its shadow rays. More lights share the rays of so many.
 constexpr std::size_t kLightsWithOwnRays = 64;
 
+constexpr float kUniformPdf = 1.0f / (4.0f * kPi); // of directions, per steradian
+
+/// Projects radiance along uniformly distributed directions on spherical harmonics.
+class GatheredLight {
+public:
+    /// What one path brings from its direction, and samples of emitters and of the sky beside it.
+    void add(const DirectLight::EmitterInSpace& emitter, const DirectLight::EmitterInSpace& sky, vec3 direction,
+             vec3 radiance, bool back)
+    {
+        for (const auto& light : {emitter, sky})
+            if (light.radianceOverPdf != vec3(0.0f)) project(light.direction, light.radianceOverPdf);
+        project(direction, radiance / kUniformPdf);
+        mean_.add(radiance + (emitter.radianceOverPdf + sky.radianceOverPdf) * kUniformPdf, vec3(0.0f));
+        backs_ += back ? 1 : 0;
+    }
+
+    /// Sets what follows from all paths.
+    void end(ProbeEstimate& estimate) const
+    {
+        const auto samples = float(mean_.count);
+        for (std::size_t i = 0; i < sum_.size(); ++i) estimate.radiance[i] = sum_[i] / samples;
+        // A coefficient is 4 pi times the mean of radiance times a basis function, whose mean square is 1 / (4 pi).
+        estimate.variance = 4.0f * kPi * mean_.varianceOfMean();
+        estimate.valid = backs_ * 4 < mean_.count;
+    }
+
+private:
+    void project(vec3 direction, vec3 weightedRadiance)
+    {
+        for (int i = 0; i < 9; ++i) sum_[std::size_t(i)] += weightedRadiance * shading::shBasis(i, direction);
+    }
+
+    std::array<vec3, 9> sum_{};
+    RunningMoments mean_; ///< of incoming radiance
+    uint32_t backs_ = 0;  ///< paths whose first ray hits a hidden back
+};
+
 class ProbeTracer {
 public:
     ProbeTracer(const PathTracer& paths, const IntegrationSettings& settings, int samples)
@@ -31,6 +68,45 @@ public:
     {
         ProbeEstimate estimate;
         gather(id, position, estimate, components, rays);
+        addLights(id, position, estimate, components, rays);
+        return estimate;
+    }
+
+    /// The gathered light of some probes.
+    Status gatherOn(const DevicePaths& device, std::span<const vec3> positions, std::span<const uint32_t> which,
+                    std::span<ProbeEstimate> out, uint64_t& rays) const
+    {
+        std::vector<DevicePaths::Point> points;
+        std::vector<DevicePaths::Item> items;
+        for (const uint32_t id : which) {
+            items.push_back({id, uint32_t(points.size()), 1});
+            points.push_back({positions[id], vec3(0.0f), vec3(0.0f)});
+        }
+        std::vector<GatheredLight> light(which.size());
+        const auto samples = uint32_t(samples_);
+        for (uint32_t first = 0; first < samples; first += DevicePaths::kMostPaths) {
+            const uint32_t count = std::min(samples - first, DevicePaths::kMostPaths);
+            const auto use = [&](std::span<const DevicePaths::Arrival> arrivals,
+                                 std::span<const DevicePaths::Emission> emissions) {
+                for (std::size_t i = 0; i < arrivals.size(); ++i) {
+                    const DevicePaths::Arrival& a = arrivals[i];
+                    const DevicePaths::Emission e = emissions.empty() ? DevicePaths::Emission() : emissions[i];
+                    light[i / count].add({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, a.direction, a.radiance,
+                                         a.back != 0);
+                    rays += a.rays;
+                }
+            };
+            if (Status s = device.trace({points, items, settings_.seed ^ kProbeSeed, first, count}, use); !s) return s;
+        }
+        for (std::size_t i = 0; i < which.size(); ++i) light[i].end(out[i] = {});
+        return {};
+    }
+
+    [[nodiscard]] int samples() const { return samples_; }
+
+    /// Light of lights that are fully baked, and occlusion of the others.
+    void addLights(uint32_t id, vec3 position, ProbeEstimate& estimate, Components components, uint64_t& rays) const
+    {
         addBakedLights(id, position, estimate, components, rays);
         // Of a channel's lights at most one reaches a point.
         paths_.light().forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
@@ -39,46 +115,31 @@ public:
             for (int c = 0; light.coloredMask && c < 3; ++c) estimate.occlusion[light.channel + c] = visible[c];
             if (!light.coloredMask) estimate.occlusion[light.channel] = grayOf(visible);
         });
-        return estimate;
     }
 
 private:
-    /// Projects radiance along uniformly distributed directions on spherical harmonics.
     void gather(uint32_t id, vec3 position, ProbeEstimate& estimate, Components components, uint64_t& rays) const
     {
         const float share = 1.0f / float(samples_);
         PathLights lights;
-        std::array<vec3, 9> sum{};
-        int backFaces = 0;
-        RunningMoments mean; // of incoming radiance
-        constexpr float kUniformPdf = 1.0f / (4.0f * kPi);
-        const auto add = [&](vec3 direction, vec3 weightedRadiance) {
-            for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += weightedRadiance * shading::shBasis(i, direction);
-        };
+        GatheredLight gathered;
         for (int s = 0; s < samples_; ++s) {
             Sampler sampler(settings_.seed ^ kProbeSeed, id, uint32_t(s));
             const vec3 direction = shading::sampleSphere(sampler.next2());
             const DirectLight::EmitterInSpace emitter =
                 paths_.direct().emitterInSpace(position, kUniformPdf, sampler, rays);
             const DirectLight::EmitterInSpace sky = paths_.direct().skyInSpace(position, sampler, rays);
-            for (const auto& light : {emitter, sky}) {
-                if (light.radianceOverPdf == vec3(0.0f)) continue;
-                add(light.direction, light.radianceOverPdf);
-                addTo(components, light.component, light.radianceOverPdf * share, light.direction);
-            }
+            for (const auto& light : {emitter, sky})
+                if (light.radianceOverPdf != vec3(0.0f))
+                    addTo(components, light.component, light.radianceOverPdf * share, light.direction);
             lights.clear();
             const PathTracer::Incoming in = paths_.incoming({position}, direction, kUniformPdf, settings_.bounces,
                                                             sampler, rays, components.empty() ? nullptr : &lights);
             for (const PathLight& light : lights)
                 addTo(components, light.component, light.radiance * (share / kUniformPdf), direction);
-            backFaces += in.firstHitBackFace ? 1 : 0;
-            add(direction, in.radiance / kUniformPdf);
-            mean.add(in.radiance + (emitter.radianceOverPdf + sky.radianceOverPdf) * kUniformPdf, vec3(0.0f));
+            gathered.add(emitter, sky, direction, in.radiance, in.firstHitBackFace);
         }
-        for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(samples_);
-        // A coefficient is 4 pi times the mean of radiance times a basis function, whose mean square is 1 / (4 pi).
-        estimate.variance = 4.0f * kPi * mean.varianceOfMean();
-        estimate.valid = backFaces * 4 < samples_;
+        gathered.end(estimate);
     }
 
     static void addTo(Components components, int component, vec3 light, vec3 direction)
@@ -171,6 +232,34 @@ private:
 };
 
 } // namespace
+
+Status traceProbesOn(const DevicePaths& device, const PathTracer& paths, const IntegrationSettings& settings,
+                     std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                     std::span<ProbeEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    const ProbeTracer tracer(paths, settings, samples > 0 ? samples : settings.probeSamples);
+    const std::size_t most = DevicePaths::itemsOfCall(tracer.samples());
+    const std::size_t calls = (which.size() + most - 1) / most;
+    parallelFor(calls, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t call = begin; call < end; ++call) {
+            if (progress.cancelled() || paths.surfaces().failed()) return;
+            const std::size_t first = call * most;
+            const std::size_t count = std::min(most, which.size() - first);
+            uint64_t traced = 0;
+            if (Status s =
+                    tracer.gatherOn(device, positions, which.subspan(first, count), out.subspan(first, count), traced);
+                !s)
+                paths.surfaces().keep(s.error());
+            rays += traced;
+        }
+    });
+    const bool finished = parallelFor(which.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        for (std::size_t i = begin; i < end; ++i) tracer.addLights(which[i], positions[which[i]], out[i], {}, traced);
+        rays += traced;
+    });
+    return paths.surfaces().outcome(finished);
+}
 
 Status traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,
                    std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out,

@@ -2,6 +2,7 @@
 // Incoming radiance and light visibility at points in space.
 
 #include "transport/sample/path_tracer.h"
+#include "transport/trace/device_paths.h"
 
 #include <atomic>
 #include <span>
@@ -15,5 +16,10 @@ constexpr uint32_t kShadowSeed = 0x5eed0001u;
 Status traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,
                    std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out,
                    std::span<SphericalHarmonicsL2> components, const Progress& progress, std::atomic<uint64_t>& rays);
+
+/// The same of light as one, with its paths on a device: the same samples.
+Status traceProbesOn(const DevicePaths& device, const PathTracer& paths, const IntegrationSettings& settings,
+                     std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                     std::span<ProbeEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
 
 } // namespace halflight

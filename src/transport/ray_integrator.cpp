@@ -73,6 +73,10 @@ public:
     Status probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                   std::span<ProbeEstimate> out, const Progress& progress) override
     {
+        const auto device = devicePaths();
+        if (!device) return device.error();
+        if (*device != nullptr)
+            return traceProbesOn(**device, paths_, settings_, positions, which, samples, out, progress, rays_);
         return traceProbes(paths_, settings_, positions, which, samples, out, {}, progress, rays_);
     }
 

@@ -79,7 +79,8 @@ TEST_F(GpuFaults, TheProcessorTracesPathsInsteadS6)
     expectTheProcessorBakesInstead(tinySettings(IntegratorKind::Path));
 }
 
-/// Wherever the device fails while it computes irradiance, that is an error: no texel keeps what was computed before.
+/// Wherever the device fails while it computes irradiance or a probe, that is an error: no texel keeps what was
+/// computed before.
 TEST_F(GpuFaults, EachFailureIsAnErrorS6)
 {
     std::atomic<int> failing = 0;
@@ -97,7 +98,9 @@ TEST_F(GpuFaults, EachFailureIsAnErrorS6)
             std::vector<IrradianceEstimate> out(bench.map.texels.size());
             calls = 0;
             failing = number;
-            return bench.irradiance({allIndices(out.size())}, out);
+            if (Status s = bench.irradiance({allIndices(out.size())}, out); !s) return s;
+            std::vector<ProbeEstimate> probe(1);
+            return bench.integrator->probes(std::vector{vec3(0, 1, 0)}, std::vector{0u}, 0, probe, {});
         };
         ASSERT_TRUE(statusFailingAt(0)); // makes pipelines, which stay
         ASSERT_TRUE(statusFailingAt(0));

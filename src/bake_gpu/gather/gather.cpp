@@ -1,6 +1,6 @@
 #include "bake_gpu/gather/gather.h"
 
-#include "bake_gpu/gather/gather_tables.h"
+#include "bake_gpu/gather/gather_layout.h"
 #include "transport/lightmap/next_event.h"
 
 #include "halflight/base/parallel.h"
@@ -83,10 +83,10 @@ struct GpuGather::Workspace {
 
 GpuGather::~GpuGather() = default;
 
-GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const GatherTables& tables)
-    : device_(device), scene_(scene),
-      pathTables_(device.device(), scene, surfaces, tables.paths, tables.bounces, &tables.cache),
-      paths_(device.paths()), emitters_(tables.paths.light().samplesEmission() ? &device.emitters() : nullptr),
+GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables,
+                     const GatherTables& tables)
+    : device_(device), scene_(scene), paths_(device.paths()),
+      emitters_(tables.paths.light().samplesEmission() ? &device.emitters() : nullptr),
       anyEmitters_(!tables.paths.light().emitters().empty())
 {
     gpu::Device& on = device.device();
@@ -97,8 +97,7 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     const PatchLayout& layout = tables.cache.layout();
     const StratifiedPattern::Tables pattern = tables.pattern.tables();
     const LightClusters& clusters = tables.guides.clusters();
-    GatherAddresses t{};
-    addScene(on, scene, tables.paths, buffers_, t);
+    GatherAddresses t = pathTables.ofScene();
     t.pattern = keep(pattern.points);
     t.radii = keep(pattern.radii);
     t.angles = keep(pattern.angles);
@@ -121,7 +120,7 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurface
     t.sourceMasks = keep(masks);
     t.bins = keep(clusters.bins());
     t.members = keep(clusters.members());
-    t.paths = pathTables_.address();
+    t.paths = pathTables.forPaths(tables.bounces, &tables.cache, buffers_);
     t.all.seed = tables.seed;
     t.all.sourceSeed = tables.seed ^ kSourceSeed;
     t.all.emitterSeed = tables.seed ^ kEmitterSeed;

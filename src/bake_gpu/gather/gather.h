@@ -11,8 +11,8 @@ namespace halflight {
 
 class GpuGather final : public DeviceGather {
 public:
-    /// Uploads the tables. Throws gpu::Failure. All but the tables outlive it.
-    GpuGather(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const GatherTables& tables);
+    /// Uploads the tables. Throws gpu::Failure. All but `tables` outlive it.
+    GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const GatherTables& tables);
     ~GpuGather() override;
 
     Status gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,
@@ -29,7 +29,7 @@ private:
 
     BakeDevice& device_;
     const GpuScene& scene_;
-    PathTables pathTables_;
+
     const gpu::RayPipeline& paths_;
     const EmitterPipelines* emitters_; ///< null: the scene has neither emitters nor a bright part of the sky
     bool anyEmitters_;

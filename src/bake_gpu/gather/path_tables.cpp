@@ -27,6 +27,16 @@ struct PathTables::Addresses {
 
 namespace {
 
+std::vector<vec3> normalsOf(const RayTracer& surfaces)
+{
+    std::vector<vec3> normals(surfaces.hitTriangleCount());
+    parallelFor(normals.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            normals[i] = surfaces.geometry().geometricNormal(surfaces.triangleAt(uint32_t(i)));
+    });
+    return normals;
+}
+
 GpuTextureUse pathTextureOf(const BakeGeometry& geometry, const TextureRef& ref)
 {
     GpuTextureUse use{};
@@ -52,30 +62,54 @@ GpuPathMaterial pathMaterialOf(const BakeGeometry& geometry, const TransportMate
 
 } // namespace
 
-PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths,
-                       int bounces, const RadianceCache* cache)
+PathTables::~PathTables() = default;
+
+PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths)
+    : device_(device), glossy_(paths.glossy()), addresses_(std::make_unique<Addresses>())
 {
-    Addresses to{};
-    addSurfaces(device, paths.surfaces(), to);
-    addFaces(device, scene, paths, to);
-    to.surfaces = surfaces.address();
-    addPictures(device, paths.surfaces().materials(), to);
-    addLights(device, paths.light(), to);
-    if (cache != nullptr) addLevels(device, *cache, bounces, to);
-    to.all.bounces = bounces;
-    to.all.glossy = paths.glossy() ? 1 : 0;
-    tables_ = bufferOf(device, std::span<const Addresses>(&to, 1));
+    ofScene_.scene = scene.address();
+    ofScene_.normals = keep(device, normalsOf(paths.surfaces()));
+    addSky(device, paths.light().sky());
+    addSurfaces(device, paths.surfaces(), *addresses_);
+    addFaces(device, scene, paths, *addresses_);
+    addresses_->surfaces = surfaces.address();
+    addPictures(device, paths.surfaces().materials(), *addresses_);
+    addLights(device, paths.light(), *addresses_);
 }
 
-void PathTables::addLevels(gpu::Device& device, const RadianceCache& cache, int bounces, Addresses& to)
+VkDeviceAddress PathTables::forPaths(int bounces, const RadianceCache* cache, std::vector<gpu::Buffer>& buffers) const
 {
-    for (std::size_t i = 0; i < kPathLevels; ++i) {
-        const std::span<const vec3> level = cache.levels()[i];
-        to.levels[i] = keep(device, level);
+    Addresses to = *addresses_;
+    for (std::size_t i = 0; cache != nullptr && i < kPathLevels; ++i) {
+        const std::span<const vec3> level = cache->levels()[i];
+        buffers.push_back(bufferOf(device_, level));
+        to.levels[i] = buffers.back().address();
         if (!level.empty()) to.all.levels |= 1u << i;
     }
-    to.all.levelOfFirst = cache.converged() ? 0 : cache.bounces() - bounces;
-    to.all.levelsPerBounce = cache.converged() ? 0 : 1;
+    if (cache != nullptr && !cache->converged()) {
+        to.all.levelOfFirst = cache->bounces() - bounces;
+        to.all.levelsPerBounce = 1;
+    }
+    to.all.bounces = bounces;
+    to.all.glossy = glossy_ ? 1 : 0;
+    buffers.push_back(bufferOf(device_, std::span<const Addresses>(&to, 1)));
+    return buffers.back().address();
+}
+
+void PathTables::addSky(gpu::Device& device, const SkyLight& light)
+{
+    const Sky& sky = light.sky();
+    const ImageRgb32f* picture = sky.picture.get();
+    ofScene_.picture =
+        keep(device, picture != nullptr ? std::span<const vec3>(picture->texels()) : std::span<const vec3>());
+    GpuGatherConstants& all = ofScene_.all;
+    all.sky = (light.black() ? 0u : kSky) | (picture != nullptr ? kSkyPicture : 0u);
+    all.zenith = sky.zenith;
+    all.horizon = sky.horizon;
+    all.ground = sky.ground;
+    all.pictureSize = picture != nullptr ? picture->size() : ivec2(0);
+    all.turn = light.turn();
+    all.limit = light.limit();
 }
 
 void PathTables::addSurfaces(gpu::Device& device, const RayTracer& surfaces, Addresses& to)

@@ -1,20 +1,33 @@
 #pragma once
 // What paths read, in a device's memory: of open gather rays, and whole ones.
 
+#include "bake_gpu/gather/gather_layout.h"
 #include "bake_gpu/gpu_surfaces.h"
 #include "transport/radiosity/radiance_cache.h"
 
+#include <memory>
+
 namespace halflight {
+
+/// Tables in shaders/bake/gather.glsl.
+struct GatherAddresses {
+    VkDeviceAddress scene, pattern, radii, angles, surfaces, normals, elements, patches, guideOfPatch, sourcesOfGuide,
+        guides, entries, cumulative, clusters, triangles, sourceMasks, bins, members, picture, paths;
+    shading::GpuGatherConstants all;
+};
 
 class PathTables {
 public:
-    /// For paths with up to `bounces` reflections. `cache`: where they may end; null = nowhere. Uploads the tables.
-    /// Throws gpu::Failure. `surfaces` outlive it.
-    PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths,
-               int bounces, const RadianceCache* cache);
+    /// Uploads what all paths of the scene read. Throws gpu::Failure. All arguments outlive it.
+    PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths);
+    ~PathTables();
 
-    /// Of PathTables in shaders/bake/paths/tables.glsl.
-    [[nodiscard]] VkDeviceAddress address() const { return tables_.address(); }
+    /// Of the tables in shaders/bake/gather.glsl what paths read: the scene, normals, the sky. The rest is zero.
+    [[nodiscard]] const GatherAddresses& ofScene() const { return ofScene_; }
+    /// PathTables of shaders/bake/paths/tables.glsl, for paths with up to `bounces` reflections. `cache`: where they
+    /// may end; null = nowhere. It is uploaded to `buffers`. Throws gpu::Failure.
+    [[nodiscard]] VkDeviceAddress forPaths(int bounces, const RadianceCache* cache,
+                                           std::vector<gpu::Buffer>& buffers) const;
 
 private:
     struct Addresses;
@@ -27,10 +40,13 @@ private:
     void addFaces(gpu::Device& device, const GpuScene& scene, const PathTracer& paths, Addresses& to);
     void addPictures(gpu::Device& device, const Materials& materials, Addresses& to);
     void addLights(gpu::Device& device, const SceneLight& light, Addresses& to);
-    void addLevels(gpu::Device& device, const RadianceCache& cache, int bounces, Addresses& to);
+    void addSky(gpu::Device& device, const SkyLight& light);
 
+    gpu::Device& device_;
+    bool glossy_;                      ///< PathTracer::glossy()
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to
-    gpu::Buffer tables_;
+    GatherAddresses ofScene_{};
+    std::unique_ptr<Addresses> addresses_; ///< of what forPaths() does not set
 };
 
 } // namespace halflight

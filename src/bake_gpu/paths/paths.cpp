@@ -1,6 +1,6 @@
 #include "bake_gpu/paths/paths.h"
 
-#include "bake_gpu/gather/gather_tables.h"
+#include "bake_gpu/gather/gather_layout.h"
 #include "bake_gpu/paths/start_layout.h"
 
 #include <cassert>
@@ -50,12 +50,16 @@ struct GpuPaths::Workspace {
     gpu::Buffer emissions, emitted; ///< empty where nothing is sampled
 };
 
-/// Takes a workspace as long as it lives, and waits for one that is free.
+/// Takes a workspace as long as it lives: one that is free, or else a new one, or else it waits. Throws gpu::Failure.
 class GpuPaths::Turn {
 public:
     explicit Turn(const GpuPaths& paths) : paths_(paths)
     {
         std::unique_lock lock(paths.mutex_);
+        if (paths.free_.empty() && paths.workspaces_.size() < kWorkspaces) {
+            paths.workspaces_.push_back(std::make_unique<Workspace>(paths.device_.device(), paths.samplesEmission_));
+            paths.free_.push_back(paths.workspaces_.back().get());
+        }
         paths.freed_.wait(lock, [&] { return !paths.free_.empty(); });
         workspace_ = paths.free_.back();
         paths.free_.pop_back();
@@ -80,19 +84,13 @@ private:
 
 GpuPaths::~GpuPaths() = default;
 
-GpuPaths::GpuPaths(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths,
+GpuPaths::GpuPaths(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const PathTracer& paths,
                    int bounces)
-    : device_(device), scene_(scene), pathTables_(device.device(), scene, surfaces, paths, bounces, nullptr),
-      pipeline_(device.paths()), samplesEmission_(paths.light().samplesEmission())
+    : device_(device), scene_(scene), pipeline_(device.paths()), samplesEmission_(paths.light().samplesEmission())
 {
-    GatherAddresses tables{};
-    addScene(device.device(), scene, paths, buffers_, tables);
-    tables.paths = pathTables_.address();
+    GatherAddresses tables = pathTables.ofScene();
+    tables.paths = pathTables.forPaths(bounces, nullptr, buffers_);
     tables_ = bufferOf(device.device(), std::span<const GatherAddresses>(&tables, 1));
-    for (std::size_t i = 0; i < kWorkspaces; ++i) {
-        workspaces_.push_back(std::make_unique<Workspace>(device.device(), samplesEmission_));
-        free_.push_back(workspaces_.back().get());
-    }
 }
 
 Status GpuPaths::trace(const Batch& batch, const Use& use) const
@@ -101,16 +99,16 @@ Status GpuPaths::trace(const Batch& batch, const Use& use) const
     assert(batch.items.size() <= kMostItems && count <= kMostPaths);
     assert(batch.points.size() <= batch.items.size() * kMostPointsOfItem);
     if (count == 0) return {};
-    const Turn turn(*this);
-    const Workspace& w = turn.workspace();
     try {
+        const Turn turn(*this);
+        const Workspace& w = turn.workspace();
         run(w, batch);
+        use({reinterpret_cast<const Arrival*>(w.arrived.mapped()), count},
+            {reinterpret_cast<const Emission*>(samplesEmission_ ? w.emitted.mapped() : nullptr),
+             samplesEmission_ ? count : 0});
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }
-    use({reinterpret_cast<const Arrival*>(w.arrived.mapped()), count},
-        {reinterpret_cast<const Emission*>(samplesEmission_ ? w.emitted.mapped() : nullptr),
-         samplesEmission_ ? count : 0});
     return {};
 }
 

@@ -12,7 +12,7 @@ namespace halflight {
 class GpuPaths final : public DevicePaths {
 public:
     /// Uploads the tables. Throws gpu::Failure. All arguments outlive it.
-    GpuPaths(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths,
+    GpuPaths(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const PathTracer& paths,
              int bounces);
     ~GpuPaths() override;
 
@@ -25,15 +25,15 @@ private:
 
     BakeDevice& device_;
     const GpuScene& scene_;
-    PathTables pathTables_;
+
     const gpu::RayPipeline& pipeline_;
     bool samplesEmission_;             ///< SceneLight::samplesEmission()
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to
     gpu::Buffer tables_;
-    std::vector<std::unique_ptr<Workspace>> workspaces_;
-    mutable std::mutex mutex_;              ///< guards free_
-    mutable std::vector<Workspace*> free_;  ///< workspaces that no call has
-    mutable std::condition_variable freed_; ///< of a workspace
+    mutable std::mutex mutex_;                                   ///< guards what follows
+    mutable std::vector<std::unique_ptr<Workspace>> workspaces_; ///< as many as were needed at one time so far
+    mutable std::vector<Workspace*> free_;                       ///< workspaces that no call has
+    mutable std::condition_variable freed_;                      ///< of a workspace
 };
 
 } // namespace halflight

@@ -179,8 +179,7 @@ Status tracePathLightmapOn(const DevicePaths& device, const PathTracer& paths, c
                            const TexelMap& map, std::span<const uint32_t> texels, int samples,
                            std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    // The same texels in a call each time: on some devices a ray's neighbours decide what it hits at an edge.
-    const std::size_t most = std::clamp(DevicePaths::kMostPaths / uint32_t(samples), 1u, DevicePaths::kMostItems);
+    const std::size_t most = DevicePaths::itemsOfCall(samples);
     const std::size_t calls = (texels.size() + most - 1) / most;
     const bool finished = parallelFor(calls, 1, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
         for (std::size_t call = begin; call < end; ++call) {

@@ -4,6 +4,8 @@
 #include "halflight/base/math.h"
 #include "halflight/base/result.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -60,6 +62,9 @@ public:
     static constexpr uint32_t kMostPaths = 1u << 18; ///< of one call: 25 MiB with emissions
     static constexpr uint32_t kMostItems = 1u << 14;
     static constexpr uint32_t kMostPointsOfItem = 16;
+    /// How many items a call takes that have so many paths each. Callers give a call the same items each time: on some
+    /// devices a ray's neighbours decide what it hits at an edge.
+    static std::size_t itemsOfCall(int paths) { return std::clamp(kMostPaths / uint32_t(paths), 1u, kMostItems); }
 
     /// Traces a batch and calls use(), unless there is an error. Any thread may call it; a few calls run at one time.
     virtual Status trace(const Batch& batch, const Use& use) const = 0;
