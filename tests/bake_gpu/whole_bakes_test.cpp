@@ -148,7 +148,7 @@ TEST_P(WholeBakesS6, HaveTheProcessorsLight)
     Pairs light{"light"};
     Pairs masks{"masks"};
     Pairs probes{"probes"};
-    int size = 128; // of pages
+    int size = kind == IntegratorKind::Path ? 64 : 128; // of pages; a path takes four times as long as a sample
     for (uint32_t seed = 1; seed <= kSeeds; ++seed) {
         Result<BakeResult> cpu = bake(*scene, settingsOf(seed, size, kind), embreeIntegrators());
         if (!cpu && seed == 1) { // a mesh may have too many charts for small pages
