@@ -145,6 +145,17 @@ uint patternPoint(uint texelHash, uint block, int stratum)
     return push.tables.pattern.at[first + (uint(stratum) ^ patternStratum(shuffle))] ^ shuffle;
 }
 
+// StratifiedPattern::direction() about a normal, out of the surface.
+vec3 patternDirection(uint bits, vec3 normal, vec3 geometricNormal)
+{
+    vec2 r = push.tables.radii.at[(bits & 0xffffu) >> uint(16 - kPatternAngleBits)];
+    vec2 a = push.tables.angles.at[bits >> uint(32 - kPatternAngleBits)];
+    vec3 tangent;
+    vec3 bitangent;
+    orthonormalBasis(normal, tangent, bitangent);
+    return outOfSurface(r.x * a.x * tangent + r.x * a.y * bitangent + r.y * normal, geometricNormal);
+}
+
 // PatchLayout::patchAt() and where the hit lies, in patches.
 uint patchAt(GpuSurface surface, bool back, vec2 at)
 {
@@ -154,17 +165,27 @@ uint patchAt(GpuSurface surface, bool back, vec2 at)
     return front + (front < push.tables.all.chartPatches ? push.tables.all.chartPatches : 1u);
 }
 
+// PatchLayout::elementShift().
+int elementShiftOf(uint elements)
+{
+    return push.tables.all.patchShift + ((elements & kHalfTexelElements) != 0u ? 1 : 0);
+}
+// PatchLayout::elementAt(); `elements` are those of the patch. kNone: it has none.
+uint elementAt(GpuSurface surface, vec2 at, uint elements)
+{
+    if ((elements & kSplit) == 0u) return kNone;
+    int shift = elementShiftOf(elements);
+    return (elements & kFirstElementBits) + (elementNumberAlong(at.y, int(surface.size >> 16u), shift) << shift) +
+           elementNumberAlong(at.x, int(surface.size & 0xffffu), shift);
+}
+
 // RadianceCache::find(): number of the patch or element with the light at the end of a ray; kNone if the ray is too
 // short.
 uint litPatchAt(GpuSurface surface, vec2 at, uint patchId, float distance)
 {
     if (distance >= push.tables.patches.at[patchId].minDistance) return patchId;
-    uint elements = push.tables.elements.at[patchId];
-    if ((elements & kSplit) == 0u) return kNone;
-    int shift = push.tables.all.patchShift + ((elements & kHalfTexelElements) != 0u ? 1 : 0);
-    uint element = (elements & kFirstElementBits) +
-                   (elementNumberAlong(at.y, int(surface.size >> 16u), shift) << shift) +
-                   elementNumberAlong(at.x, int(surface.size & 0xffffu), shift);
+    uint element = elementAt(surface, at, push.tables.elements.at[patchId]);
+    if (element == kNone) return kNone;
     return distance >= push.tables.patches.at[element].minDistance ? element : kNone;
 }
 

@@ -79,7 +79,7 @@ std::string BakeDevice::identity() const
              bake_nearest_rahit, bake_nearest_rchit, bake_nearest_rgen, bake_paths_paths_rgen, bake_transmittance_rahit,
              bake_transmittance_rgen, bake_validity_rgen})
         hasher.bytes(shader.data(), shader.size_bytes());
-    for (const auto& shaders : {EmitterPipelines::shaders(), ShadowPipelines::shaders()})
+    for (const auto& shaders : {EmitterPipelines::shaders(), ShadowPipelines::shaders(), RadiosityPipelines::shaders()})
         for (const std::span<const uint32_t> shader : shaders) hasher.bytes(shader.data(), shader.size_bytes());
     std::string identity = "gpu-" + name() + "-" + device_.driver() + "-" + hasher.hash().hex().substr(0, 8);
     for (char& c : identity)
@@ -120,6 +120,13 @@ const ShadowPipelines& BakeDevice::shadows()
     const std::lock_guard lock(laterMutex_);
     if (!shadows_) shadows_.emplace(device_);
     return *shadows_;
+}
+
+const RadiosityPipelines& BakeDevice::radiosity()
+{
+    const std::lock_guard lock(laterMutex_);
+    if (!radiosity_) radiosity_.emplace(device_);
+    return *radiosity_;
 }
 
 Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options)

@@ -3,6 +3,7 @@
 
 #include "bake_gpu/denoise_pipelines.h"
 #include "bake_gpu/gather/emitter_pipelines.h"
+#include "bake_gpu/radiosity/radiosity_pipelines.h"
 #include "bake_gpu/shadows/shadow_pipelines.h"
 #include "gpu/acceleration.h"
 
@@ -50,6 +51,8 @@ public:
     const DenoisePipelines& denoise();
     /// The same around shadow rays.
     const ShadowPipelines& shadows();
+    /// The shaders of the radiosity passes.
+    const RadiosityPipelines& radiosity();
     [[nodiscard]] std::string name() const { return device_.properties().deviceName; }
     /// "gpu-" with the device's name, its driver's version and a hash of the shaders: what decides the bytes.
     [[nodiscard]] std::string identity() const;
@@ -71,6 +74,7 @@ private:
     std::optional<EmitterPipelines> emitters_;
     std::optional<DenoisePipelines> denoise_;
     std::optional<ShadowPipelines> shadows_;
+    std::optional<RadiosityPipelines> radiosity_;
 };
 
 /// Copies a list to a buffer that shaders find by its address, and trees are built from.

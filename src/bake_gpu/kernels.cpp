@@ -2,6 +2,7 @@
 
 #include "bake_gpu/gather/gather.h"
 #include "bake_gpu/paths/paths.h"
+#include "bake_gpu/radiosity/radiosity.h"
 #include "bake_gpu/shadows/shadows.h"
 #include "bake_gpu/shadows/validity.h"
 
@@ -130,6 +131,14 @@ Result<std::unique_ptr<DevicePaths>> GpuKernels::preparePaths(const PathTracer& 
     if (scene_.anyTinted() || paths.light().components() > 0) return std::unique_ptr<DevicePaths>();
     return made<DevicePaths>(
         [&] { return std::make_unique<GpuPaths>(*device_, gpuScene_, pathTables(paths), paths, bounces); });
+}
+
+Result<std::unique_ptr<DeviceRadiosity>> GpuKernels::prepareRadiosity(const RadiosityInput& input,
+                                                                      const PatchLayout& layout) const
+{
+    if (scene_.anyTinted()) return std::unique_ptr<DeviceRadiosity>();
+    return made<DeviceRadiosity>(
+        [&] { return std::make_unique<GpuRadiosity>(*device_, gpuScene_, pathTables(input.paths), input, layout); });
 }
 
 Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTables& tables) const

@@ -27,6 +27,8 @@ public:
     [[nodiscard]] Result<std::unique_ptr<DeviceGather>> prepareGather(const GatherTables& tables) const override;
     [[nodiscard]] Result<std::unique_ptr<DevicePaths>> preparePaths(const PathTracer& paths,
                                                                     int bounces) const override;
+    [[nodiscard]] Result<std::unique_ptr<DeviceRadiosity>> prepareRadiosity(const RadiosityInput& input,
+                                                                            const PatchLayout& layout) const override;
     [[nodiscard]] Result<std::unique_ptr<DeviceShadows>> prepareShadows(const ShadowTables& tables) const override;
     [[nodiscard]] Result<std::unique_ptr<DeviceValidity>> prepareValidity() const override;
     [[nodiscard]] std::string describe(const std::string& method) const override;

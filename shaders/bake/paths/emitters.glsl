@@ -74,6 +74,16 @@ int levelsAbove(uint leaf)
     return levels;
 }
 
+// Emitters::pdfArea(): density of samples of an emitter, taken at a place.
+float emitterPdfArea(uint emitter, vec3 from, vec3 normal)
+{
+    if (emitter == kNone) return 0.0;
+    LightTree tree = paths().emitterTree;
+    uint leaf = paths().leafOfEmitter.at[emitter];
+    if (lightEndsBefore(tree.at[leaf], from, normal)) return 0.0;
+    return probabilityOfLeaf(tree, leaf, levelsAbove(leaf), from, normal) * paths().emitters.at[emitter].inverseArea;
+}
+
 // DirectLight::weightedEmission(): what the end of a ray emits along it. `pdfArea`: of samples of emitters where the
 // ray began.
 vec3 weightedEmission(PathSurface s, vec3 direction, float distance, float directionPdf, float pdfArea)

@@ -56,6 +56,7 @@ struct PathLightSample {
     vec3 direction;
     float tMax;
     float shadowStrength;
+    vec3 fromSurface; // of lamps: direction from the surface itself
 };
 
 PathLightSample noLight()
@@ -66,6 +67,7 @@ PathLightSample noLight()
     result.direction = vec3(0.0, 0.0, 1.0);
     result.tMax = -1.0;
     result.shadowStrength = 1.0;
+    result.fromSurface = vec3(0.0);
     return result;
 }
 
@@ -107,6 +109,7 @@ PathLightSample sampleSources(PathSurface s, PathLobe lobe, inout PathSampler nu
     if (reservoir.chosen == kNone) return result;
     result.light = contributionOfChosen(reservoir);
     LightSource light = paths().lights.at[reservoir.chosen];
+    result.fromSurface = sampleLightRay(light, s.position, disc).direction;
     if (light.castShadows == 0u || s.part.receivesShadows == 0u) return result;
     result.origin = shadowOriginOf(s);
     LightRay ray = sampleLightRay(light, result.origin, disc);

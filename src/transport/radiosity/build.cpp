@@ -1,5 +1,6 @@
 #include "transport/radiosity/build.h"
 
+#include "transport/radiosity/device_passes.h"
 #include "transport/radiosity/split_patches.h"
 
 #include "halflight/base/atomic_ref.h"
@@ -44,6 +45,7 @@ public:
     /// Samples all form factors.
     Status runPasses()
     {
+        if (Status s = prepareDevice(); !s) return s;
         buildFronts();
         buildBacks();
         gather(PassKind::Elements,
@@ -60,11 +62,18 @@ public:
     }
 
 private:
-    static constexpr std::size_t kRangeItems = 256;
     /// Parts of a pass that processes share: at most 128, of 4 ranges or more.
     static constexpr std::size_t kMostParts = 128;
     static constexpr std::size_t kFewestRanges = 4;
     [[nodiscard]] Status outcome() const { return input_.paths.surfaces().outcome(!progress_.cancelled()); }
+    Status prepareDevice()
+    {
+        if (input_.paths.light().components() > 0) return {};
+        auto device = input_.paths.surfaces().kernels().prepareRadiosity(input_, patches_.layout);
+        if (!device) return device.error();
+        device_ = std::move(*device);
+        return {};
+    }
     static bool isOccluded(PatchState s) { return s.occluded; }
     static bool isHit(PatchState s) { return s.hit; }
 
@@ -120,16 +129,22 @@ private:
         });
     }
 
-    /// forRanges() for all items; other processes may compute some of the ranges.
-    template<typename Out, typename Work>
-    void forAllRanges(std::span<const uint32_t> items, std::span<Out> out, const Work& work)
+    /// forRanges() for all items, or onDevice(items, out) where there is a device. Other processes may compute some of
+    /// the ranges.
+    template<typename Out, typename Work, typename OnDevice>
+    void forAllRanges(std::span<const uint32_t> items, std::span<Out> out, const Work& work, const OnDevice& onDevice)
     {
         const std::string name = "radiosity" + std::to_string(passes_++);
         const std::size_t perPart = std::max(kFewestRanges, (out.size() + kMostParts - 1) / kMostParts);
-        const auto compute = [&](std::size_t first, std::size_t end) {
+        const auto compute = [&](std::size_t first, std::size_t end) -> Status {
             const std::size_t item = first * kRangeItems;
-            const std::size_t count = std::min(end * kRangeItems, items.size()) - item;
-            forRanges(items.subspan(item, count), out.subspan(first, end - first), work);
+            const auto some = items.subspan(item, std::min(end * kRangeItems, items.size()) - item);
+            const auto ranges = out.subspan(first, end - first);
+            if (device_ != nullptr && !some.empty()) {
+                if (Status s = onDevice(some, ranges); !s) return s;
+            } else {
+                forRanges(some, ranges, work);
+            }
             return outcome();
         };
         if (status_) status_ = input_.store.computedParts(name, out, perPart, compute);
@@ -139,12 +154,16 @@ private:
     {
         const PatchPass pass(kind, patches_, input_);
         std::vector<OccludedPatches> found(rangesOf(items.size()));
-        forAllRanges(items, std::span(found), [&](std::span<const uint32_t> some, OccludedPatches& out) {
+        const auto search = [&](std::span<const uint32_t> some, OccludedPatches& out) {
             OccluderSearch search(pass);
             search.search(some);
             out.patches = search.occluded();
             rays_ += search.rays();
-        });
+        };
+        forAllRanges(items, std::span(found), search,
+                     [&](std::span<const uint32_t> some, std::span<OccludedPatches> out) {
+                         return findOccludedOn(*device_, pass, some, out[0].patches, progress_, rays_);
+                     });
         for (const OccludedPatches& range : found) {
             for (const PatchId patch : range.patches) patches_.state[patch].occluded = true;
         }
@@ -157,14 +176,15 @@ private:
         factors_.resize(first + rangesOf(items.size()));
         for (std::size_t r = first; r < factors_.size(); ++r)
             factors_[r].hasComponents = input_.paths.light().components() > 0;
-        forAllRanges(items, std::span(factors_).subspan(first),
-                     [&](std::span<const uint32_t> some, FormFactorRange& out) {
-                         FormFactorSampler sampler(pass, out);
-                         sampler.gather(some);
-                         out.samples.shrink_to_fit();
-                         out.links.shrink_to_fit();
-                         out.components.shrink_to_fit();
-                         rays_ += sampler.rays();
+        const auto sample = [&](std::span<const uint32_t> some, FormFactorRange& out) {
+            FormFactorSampler sampler(pass, out);
+            sampler.gather(some);
+            out.shrink();
+            rays_ += sampler.rays();
+        };
+        forAllRanges(items, std::span(factors_).subspan(first), sample,
+                     [&](std::span<const uint32_t> some, std::span<FormFactorRange> out) {
+                         return gatherOn(*device_, pass, some, out, progress_, rays_);
                      });
     }
 
@@ -195,8 +215,9 @@ private:
     std::atomic<uint64_t>& rays_;
     Patches patches_;
     FormFactors factors_;
-    int passes_ = 0; ///< so far
-    Status status_;  ///< the first error of a pass; those after it do nothing
+    std::unique_ptr<DeviceRadiosity> device_; ///< null: the processor traces all rays
+    int passes_ = 0;                          ///< so far
+    Status status_;                           ///< the first error of a pass; those after it do nothing
 };
 
 } // namespace

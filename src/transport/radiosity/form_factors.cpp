@@ -2,9 +2,15 @@
 
 #include "transport/sample/shadow_packet.h"
 
+#include "halflight/shading/form_factors.h"
+
 #include <algorithm>
 
 namespace halflight {
+
+using shading::kNearestInElements;
+using shading::kNearestInPatches;
+
 namespace {
 
 constexpr uint32_t kCacheSeed = 0x5eed0005u;
@@ -13,9 +19,6 @@ constexpr uint32_t kCacheSeed = 0x5eed0005u;
 constexpr int kRays = 16;
 /// Least rays of a texel: one in each row and column of the pattern of strata.
 constexpr int kFewestRays = StratifiedPattern::kBlock / 4;
-/// Rays shorter than this many widths would show that the radiance of a patch or element is constant.
-constexpr float kNearestInPatches = 0.5f;
-constexpr float kNearestInElements = 0.5f * kNearestInPatches; // which are not split again
 
 } // namespace
 
@@ -29,10 +32,19 @@ FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, in
     return {std::max(rays, kFewestRays), std::max(rays / 2, 1), std::max((1 << patchShift) / (2 * times), 1)};
 }
 
+FormFactorEffort effortOf(const PatchPass& pass)
+{
+    return effortOf(pass.input().settings, pass.kind(), pass.layout().patchShift);
+}
+
+uint32_t seedOfFactors(const PatchPass& pass)
+{
+    return pass.input().settings.seed ^ (kCacheSeed + (uint32_t(pass.kind()) << 16));
+}
+
 FormFactorSampler::FormFactorSampler(const PatchPass& pass, FormFactorRange& out)
-    : pass_(pass), paths_(pass.input().paths), tracer_(paths_.surfaces()), out_(out),
-      seed_(pass.input().settings.seed ^ (kCacheSeed + (uint32_t(pass.kind()) << 16))),
-      effort_(effortOf(pass.input().settings, pass.kind(), pass.layout().patchShift))
+    : pass_(pass), paths_(pass.input().paths), tracer_(paths_.surfaces()), out_(out), seed_(seedOfFactors(pass)),
+      effort_(effortOf(pass))
 {}
 
 void FormFactorSampler::gather(std::span<const uint32_t> items)
@@ -40,28 +52,26 @@ void FormFactorSampler::gather(std::span<const uint32_t> items)
     pass_.forGroups(items, [&](const TexelGroup& group) { gatherGroup(GatherGroup(paths_, group)); });
 }
 
-/// Strata of the rays of one texel: one in each row and column of the pattern for every four rays. Consecutive groups
-/// take complementary strata. Returns their number.
+/// Strata of the rays of one texel. Returns their number.
 std::size_t FormFactorSampler::strataOf(uint32_t group, Strata& strata) const
 {
-    const int diagonals = std::min(effort_.rays / 4, 4);
-    std::size_t count = 0;
-    for (int d = 0; d < diagonals; ++d) {
-        const uint32_t flip = diagonals == 1   ? group & 3u
-                              : diagonals == 2 ? (group & 1u) ^ uint32_t(2 * d)
-                                               : uint32_t(d);
-        for (uint32_t x = 0; x < 4; ++x) strata[count++] = uint8_t((x << 2) | (x ^ flip));
-    }
-    return count;
+    const int count = effort_.strata();
+    for (int i = 0; i < count; ++i) strata[std::size_t(i)] = uint8_t(shading::factorStratum(i, count / 4, group));
+    return std::size_t(count);
+}
+
+void FormFactorSampler::traceAgain(const GatherGroup& group, int block, uint8_t stratum)
+{
+    bundle_.trace(paths_, pass_.input().pattern, group, seed_, block, {&stratum, 1});
+    if (group.active(0)) addRay(group, 0, block, stratum);
 }
 
 void FormFactorSampler::gatherGroup(const GatherGroup& group)
 {
-    const int blocks = std::max(1, effort_.rays / StratifiedPattern::kBlock);
     Strata all;
-    const std::size_t count = strataOf(group.texel(0) / (kLanes * uint32_t(effort_.every)), all);
+    const std::size_t count = strataOf(effort_.groupOf(group.texel(0)), all);
     const std::span<uint8_t> strata(all.data(), count);
-    for (int b = 0; b < blocks; ++b) {
+    for (int b = 0; b < effort_.blocks(); ++b) {
         rays_ += uint64_t(bundle_.trace(paths_, pass_.input().pattern, group, seed_, b, strata));
         for (int lane = 0; lane < group.lanes(); ++lane) {
             if (!group.active(lane)) continue;

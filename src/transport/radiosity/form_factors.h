@@ -5,6 +5,8 @@
 #include "transport/radiosity/patch_pass.h"
 #include "transport/texels/ray_bundle.h"
 
+#include <algorithm>
+
 namespace halflight {
 
 /// Sums of the samples of one patch in a range of items.
@@ -65,6 +67,13 @@ struct FormFactorRange {
         a(samples, links, late, tinted, hitNear);
         if (hasComponents) a(components, lateComponents);
     }
+    /// Gives back memory that is not needed once all samples are there.
+    void shrink()
+    {
+        samples.shrink_to_fit();
+        links.shrink_to_fit();
+        components.shrink_to_fit();
+    }
     /// The light of the components of an entry of `samples`.
     std::span<ComponentSamples> componentsOf(const PatchSamples& of, int count)
     {
@@ -106,6 +115,12 @@ struct FormFactorEffort {
     int rays;
     int direct;    ///< samples of lights
     int every = 1; ///< of large patches that texels cover nearly fully, one texel in so many is gathered
+
+    /// A texel's rays are so many strata of each of so many blocks of the pattern.
+    [[nodiscard]] int blocks() const { return std::max(1, rays / StratifiedPattern::kBlock); }
+    [[nodiscard]] int strata() const { return 4 * std::min(rays / 4, 4); }
+    /// Number of a group of eight texels, by the first one: it decides which strata (shading::factorStratum()).
+    [[nodiscard]] uint32_t groupOf(uint32_t texel) const { return texel / (kLanes * uint32_t(every)); }
 };
 /// Whether texels of so many samples ask for form factors by twice as many rays.
 constexpr bool takesManySamples(int samples)
@@ -113,6 +128,9 @@ constexpr bool takesManySamples(int samples)
     return samples >= 96;
 }
 FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, int patchShift);
+FormFactorEffort effortOf(const PatchPass& pass);
+/// Seed of a pass's rays; its light samples have the complement.
+uint32_t seedOfFactors(const PatchPass& pass);
 
 /// Samples the form factors of a range of items.
 class FormFactorSampler {
@@ -120,6 +138,8 @@ public:
     FormFactorSampler(const PatchPass& pass, FormFactorRange& out);
 
     void gather(std::span<const uint32_t> items);
+    /// One ray of a group of one, which was counted when a device traced it.
+    void traceAgain(const GatherGroup& group, int block, uint8_t stratum);
     [[nodiscard]] uint64_t rays() const { return rays_; }
 
 private:

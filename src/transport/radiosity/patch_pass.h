@@ -27,6 +27,9 @@ enum class PassKind : uint32_t {
     Triangles     ///< items are triangle patches, from the first
 };
 
+/// Items that are computed together, in their order.
+constexpr std::size_t kRangeItems = 256;
+
 class PatchPass {
 public:
     PatchPass(PassKind kind, const Patches& patches, const RadiosityInput& input)
@@ -46,8 +49,7 @@ public:
         for (std::size_t i = 0; i < items.size(); i += kLanes) {
             const auto some = items.subspan(i, std::min(items.size() - i, std::size_t(kLanes)));
             if (kind_ == PassKind::Triangles) {
-                for (std::size_t k = 0; k < some.size(); ++k)
-                    sides[k] = {patches_.triangles[some[k] / 2], some[k] % 2 != 0};
+                for (std::size_t k = 0; k < some.size(); ++k) sides[k] = sideOf(some[k]);
                 body(TexelGroup::triangles(input_.paths, std::span(sides.data(), some.size())));
             } else if (kind_ == PassKind::Backs || kind_ == PassKind::BackElements) {
                 body(TexelGroup::backs(input_.paths, input_.map, some));
@@ -57,6 +59,8 @@ public:
         }
     }
 
+    /// Of triangle patches, an item.
+    [[nodiscard]] TexelGroup::Side sideOf(uint32_t item) const { return {patches_.triangles[item / 2], item % 2 != 0}; }
     /// Patch or element that the pass fills from a point, or kNoPatch.
     [[nodiscard]] PatchId sourceOf(const TexelGroup& group, int lane, const SurfacePoint& point) const;
     /// Patch or element whose radiance a hit will have, or kNoPatch. During the first pass that may be any back or

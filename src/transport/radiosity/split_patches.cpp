@@ -1,6 +1,7 @@
 #include "transport/radiosity/split_patches.h"
 
 #include "halflight/base/mathematics.h"
+#include "halflight/shading/form_factors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,18 +9,9 @@
 namespace halflight {
 namespace {
 
-/// Texels covered by more than this are whole texels, but for rounding.
-constexpr float kWhole = 0.999f;
-
-/// Outermost of texelPoints()'s points in seven directions, and the distance of the texel's border relative to theirs.
-struct RimPoint {
-    int point = 0;
-    float toBorder = 1.0f;
-};
-
-std::array<RimPoint, 7> makeRimPoints()
+RimPoints makeRimPoints()
 {
-    std::array<RimPoint, 7> rim{};
+    RimPoints rim{};
     for (int k = 0; k < 7; ++k) {
         const float angle = 2.0f * kPi * float(k) / 7.0f;
         float farthest = -1.0f;
@@ -34,13 +26,13 @@ std::array<RimPoint, 7> makeRimPoints()
     return rim;
 }
 
-const std::array<RimPoint, 7>& rimPoints()
+} // namespace
+
+const RimPoints& rimPoints()
 {
-    static const std::array<RimPoint, 7> rim = makeRimPoints();
+    static const RimPoints rim = makeRimPoints();
     return rim;
 }
-
-} // namespace
 
 void OccluderSearch::search(std::span<const uint32_t> items)
 {
@@ -68,7 +60,8 @@ void OccluderSearch::searchPatch(const TexelGroup& group, int lane)
     Targets targets;
     targets[0] = previousPatch_ == patch ? previous_ : above;
     const TexelMap& map = pass_.input().map;
-    const bool whole = count == kMaxTexelPoints && coveredArea(map, map.texels[group.texel(lane)]) > kWhole;
+    const bool whole =
+        count == kMaxTexelPoints && coveredArea(map, map.texels[group.texel(lane)]) > shading::kWholeTexel;
     for (int i = 1; i < int(kTargets); ++i) {
         // The targets of partly covered texels are their sample points.
         const RimPoint& rim = rimPoints()[std::size_t(i - 1)];
@@ -122,24 +115,14 @@ bool OccluderSearch::borderOfElement(const TexelGroup& group, int lane, const Su
     const PatchId patch = pass_.layout().patchAt(face, point.barycentric);
     const float size = 1.0f / float(1 << pass_.layout().elementShift(patch)); // in patches
     const vec2 at = surface.origin + point.barycentric.x * surface.edgeU + point.barycentric.y * surface.edgeV;
-    const float area = cross2(surface.edgeU, surface.edgeV);
-    if (std::abs(area) < 1.0e-12f) return false;
+    if (std::abs(shading::areaOfEdges(surface.edgeU, surface.edgeV)) < 1.0e-12f) return false;
     const BakeGeometry& geometry = tracer_.geometry();
     const auto [a, b, c] = geometry.cornersOf(point.triangle);
     const vec3 edge1 = b - a;
     const vec3 edge2 = c - a;
-    const vec2 corner = size * glm::floor(at / size);
-    constexpr std::array<vec2, kTargets> kBorder = {{{0.0f, 0.0f},
-                                                     {0.5f, 0.0f},
-                                                     {1.0f, 0.0f},
-                                                     {1.0f, 0.5f},
-                                                     {1.0f, 1.0f},
-                                                     {0.5f, 1.0f},
-                                                     {0.0f, 1.0f},
-                                                     {0.0f, 0.5f}}};
     for (std::size_t i = 0; i < targets.size(); ++i) {
-        const vec2 way = corner + size * kBorder[i] - at;
-        targets[i] = above + (cross2(way, surface.edgeV) * edge1 + cross2(surface.edgeU, way) * edge2) / area;
+        const vec2 way = shading::wayToBorder(at, size, int(i));
+        targets[i] = above + shading::wayOnTriangle(way, surface.edgeU, surface.edgeV, edge1, edge2);
     }
     return true;
 }
@@ -153,7 +136,7 @@ bool OccluderSearch::between(vec3 from, const Targets& targets)
     for (std::size_t i = 0; i < kTargets; ++i) {
         const float length = glm::distance(from, targets[i]);
         if (!(length > 0.0f)) continue;
-        batch[i] = {from, 0.0f, (targets[i] - from) / length, 0.999f * length};
+        batch[i] = {from, 0.0f, (targets[i] - from) / length, shading::kShortOfTarget * length};
         ++rays_;
     }
     tracer_.nearest(batch, hits);

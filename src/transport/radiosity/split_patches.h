@@ -5,6 +5,14 @@
 
 namespace halflight {
 
+/// Outermost of texelPoints()'s points in seven directions, and the distance of the texel's border relative to theirs.
+struct RimPoint {
+    int point = 0;
+    float toBorder = 1.0f;
+};
+using RimPoints = std::array<RimPoint, 7>;
+const RimPoints& rimPoints();
+
 /// A thin wall on a patch separates two parts with different light, so the patch has no single radiance. The search
 /// traces rays along the surface, a tenth of a patch above it.
 class OccluderSearch {

@@ -58,6 +58,8 @@ public:
         uint32_t triangle = 0;
         bool back = false;
     };
+    /// Seed of its random numbers.
+    static uint32_t idOf(const Side& side) { return hashPcg(2 * side.triangle + (side.back ? 1u : 0u)); }
     static TexelGroup triangles(const PathTracer& paths, std::span<const Side> sides)
     {
         TexelGroup group;
@@ -65,7 +67,7 @@ public:
         for (int lane = 0; lane < group.lanes_; ++lane) {
             Lane& l = group.lane_[std::size_t(lane)];
             const Side& side = sides[std::size_t(lane)];
-            l.id = hashPcg(2 * side.triangle + (side.back ? 1u : 0u));
+            l.id = idOf(side);
             l.mask = kAllPoints;
             l.onBack = side.back;
             l.pointCount = kTrianglePoints;

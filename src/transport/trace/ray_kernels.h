@@ -21,10 +21,13 @@ enum class RayUse { Light, Camera };
 
 class DeviceGather;
 class DevicePaths;
+class DeviceRadiosity;
 class DeviceShadows;
 class DeviceValidity;
 class PathTracer;
 struct GatherTables;
+struct PatchLayout;
+struct RadiosityInput;
 struct ShadowTables;
 
 /// Traces batches of rays. A result depends on its ray alone, but for rounding: rays that belong together are faster in
@@ -61,6 +64,10 @@ public:
     [[nodiscard]] virtual Result<std::unique_ptr<DeviceGather>> prepareGather(const GatherTables& tables) const;
     /// Whole paths with up to `bounces` reflections (device_paths.h); null as above. `paths` has these kernels.
     [[nodiscard]] virtual Result<std::unique_ptr<DevicePaths>> preparePaths(const PathTracer& paths, int bounces) const;
+    /// The rays of the radiosity passes (radiosity/device_radiosity.h); null as above. `layout`: of the patches, before
+    /// the first pass.
+    [[nodiscard]] virtual Result<std::unique_ptr<DeviceRadiosity>> prepareRadiosity(const RadiosityInput& input,
+                                                                                    const PatchLayout& layout) const;
     /// Shadow rays of a map's texels (shadows/device_shadows.h); null as above.
     [[nodiscard]] virtual Result<std::unique_ptr<DeviceShadows>> prepareShadows(const ShadowTables& tables) const;
     /// Tests of sample points (texels/device_validity.h); null as above.

@@ -1,0 +1,357 @@
+// The radiosity passes on a device find the occluders, links and light that they find on the processor (spec S6):
+// Embree and the processor's estimators are the truth. Both take the same samples.
+
+#include "bake/geometry/balls.h"
+#include "bake/test_room.h"
+#include "bake/test_sky.h"
+#include "bake_cpu/trace/embree_kernels.h"
+#include "bake_gpu/kernels.h"
+#include "bake_gpu/test_device.h"
+#include "transport/radiosity/build.h"
+#include "transport/radiosity/device_passes.h"
+#include "transport/radiosity/split_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numeric>
+
+namespace halflight::test::device_radiosity_test {
+namespace {
+
+/// What of both differs.
+struct Differences {
+    std::size_t occluded = 0; ///< patches and elements that an occluder crosses
+    std::size_t otherOccluded = 0;
+    std::size_t links = 0;
+    std::size_t otherLinks = 0;
+    std::size_t samples = 0; ///< sums of light, by entry of FormFactorRange::samples
+    std::size_t otherSamples = 0;
+    double light = 0.0; ///< of all samples
+    double lightDifference = 0.0;
+    uint64_t raysOfCpu = 0;
+    uint64_t raysOfGpu = 0;
+};
+
+/// Whether two sums of one sample differ by more than rounding does.
+bool isOther(vec3 a, vec3 b, float near = 1.0e-3f)
+{
+    return glm::distance(a, b) > near * (glm::length(a) + 1.0e-4f);
+}
+bool isOther(const LobeMoments& a, const LobeMoments& b)
+{
+    // A sampled direction of a lobe that falls below the surface counts as none.
+    return isOther(a.albedo, b.albedo) || isOther(a.exitance, b.exitance) || isOther(a.normal, b.normal) ||
+           isOther(vec3(a.evenLight, a.evenCosine, a.sampledExitance),
+                   vec3(b.evenLight, b.evenCosine, b.sampledExitance), 5.0e-3f) ||
+           isOther(a.sampledMoment, b.sampledMoment, 5.0e-3f);
+}
+
+/// The passes of a scene, one after another, on both. Patches go on as the processor finds them.
+class BothPasses {
+public:
+    BothPasses(Scene scene, int page, const IntegrationSettings& settings, const std::shared_ptr<BakeDevice>& device)
+        : settings_(settings), bench_(std::move(scene), MixedLightingMode::Shadowmask, page, settings),
+          pattern_(settings.seed),
+          cpu_(bench_.scene, bench_.geometry, LightUse::Bake, bouncesOf(settings), embreeKernels()),
+          gpu_(bench_.scene, bench_.geometry, LightUse::Bake, bouncesOf(settings),
+               [&](const RayScene& of) { return std::make_unique<GpuKernels>(device, of, embreeKernels()(of)); }),
+          patches_(cpu_.surfaces(), bench_.map), onCpu_{cpu_, bench_.map, pattern_, settings_}, onGpu_{gpu_, bench_.map,
+                                                                                                       pattern_,
+                                                                                                       settings_}
+    {
+        auto made = gpu_.surfaces().kernels().prepareRadiosity(onGpu_, patches_.layout);
+        EXPECT_TRUE(made);
+        if (made) device_ = std::move(*made);
+    }
+
+    void run(std::size_t mostItems)
+    {
+        ASSERT_NE(device_, nullptr);
+        std::vector<uint32_t> texels(std::min(mostItems, bench_.map.texels.size()));
+        std::iota(texels.begin(), texels.end(), 0u);
+        const auto some = [&](std::vector<uint32_t> items) {
+            items.resize(std::min(items.size(), mostItems));
+            return items;
+        };
+        const auto isOccluded = [](PatchState s) { return s.occluded; };
+        findOccluded(PassKind::Fronts, texels);
+        patches_.split(0, isOccluded);
+        findOccluded(PassKind::Elements, some(patches_.texelsIn(bench_.map, 0, isOccluded)));
+        gather(PassKind::Fronts, texels);
+        patches_.split(0, [](PatchState s) { return s.hitNear; });
+        const PatchId backs = patches_.layout.chartPatches;
+        const std::vector<uint32_t> hitBacks =
+            some(patches_.texelsIn(bench_.map, backs, [](PatchState s) { return s.hit; }));
+        std::vector<uint32_t> triangles;
+        for (uint32_t i = 0; i < 2 * patches_.triangles.size() && triangles.size() < mostItems; ++i) {
+            if (patches_.state[2 * backs + i].hit) triangles.push_back(i);
+        }
+        findOccluded(PassKind::Backs, hitBacks);
+        patches_.split(backs, isOccluded);
+        const std::vector<uint32_t> elements = some(patches_.texelsIn(bench_.map, backs, isOccluded));
+        findOccluded(PassKind::BackElements, elements);
+        gather(PassKind::Backs, hitBacks);
+        gather(PassKind::BackElements, elements);
+        gather(PassKind::Triangles, triangles);
+        gather(PassKind::Elements,
+               some(patches_.texelsIn(bench_.map, 0, [](PatchState s) { return s.occluded || s.hitNear; })));
+    }
+
+    [[nodiscard]] const Differences& differences() const { return found_; }
+    [[nodiscard]] std::size_t itemsOf(PassKind kind) const { return items_[std::size_t(kind)]; }
+    /// Bits of all that the device has brought.
+    [[nodiscard]] const std::vector<std::byte>& bytes() const { return bytes_; }
+
+private:
+    static Bounces bouncesOf(const IntegrationSettings& settings)
+    {
+        return settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse;
+    }
+
+    void findOccluded(PassKind kind, std::span<const uint32_t> items)
+    {
+        const PatchPass cpu(kind, patches_, onCpu_);
+        const PatchPass gpu(kind, patches_, onGpu_);
+        std::vector<PatchId> a;
+        for (std::size_t first = 0; first < items.size(); first += kRangeItems) {
+            OccluderSearch search(cpu);
+            search.search(items.subspan(first, std::min(kRangeItems, items.size() - first)));
+            a.insert(a.end(), search.occluded().begin(), search.occluded().end());
+            found_.raysOfCpu += search.rays();
+        }
+        std::vector<PatchId> b;
+        std::atomic<uint64_t> rays = 0;
+        ASSERT_TRUE(findOccludedOn(*device_, gpu, items, b, {}, rays));
+        found_.raysOfGpu += rays;
+        keep(b);
+        for (std::vector<PatchId>* list : {&a, &b}) {
+            std::ranges::sort(*list);
+            list->erase(std::ranges::unique(*list).begin(), list->end());
+        }
+        std::vector<PatchId> other;
+        std::ranges::set_symmetric_difference(a, b, std::back_inserter(other));
+        found_.occluded += a.size();
+        found_.otherOccluded += other.size();
+        for (const PatchId patch : a) patches_.state[patch].occluded = true;
+    }
+
+    void gather(PassKind kind, std::span<const uint32_t> items)
+    {
+        items_[std::size_t(kind)] = items.size();
+        const PatchPass cpu(kind, patches_, onCpu_);
+        const PatchPass gpu(kind, patches_, onGpu_);
+        FormFactors b((items.size() + kRangeItems - 1) / kRangeItems);
+        std::atomic<uint64_t> rays = 0;
+        ASSERT_TRUE(gatherOn(*device_, gpu, items, b, {}, rays));
+        found_.raysOfGpu += rays;
+        FormFactors a(b.size());
+        for (std::size_t r = 0; r < a.size(); ++r) {
+            FormFactorSampler sampler(cpu, a[r]);
+            sampler.gather(items.subspan(r * kRangeItems, std::min(kRangeItems, items.size() - r * kRangeItems)));
+            found_.raysOfCpu += sampler.rays();
+            compare(a[r], b[r]);
+            keep(b[r].links);
+            keep(b[r].samples);
+        }
+        for (const FormFactorRange& range : a) {
+            for (const PatchId patch : range.links) patches_.state[patch].hit = true;
+            for (const PatchId patch : range.hitNear) patches_.state[patch].hitNear = true;
+        }
+    }
+
+    void compare(const FormFactorRange& a, const FormFactorRange& b)
+    {
+        found_.links += a.links.size();
+        found_.samples += a.samples.size();
+        std::vector<PatchId> far;
+        std::ranges::set_symmetric_difference(sorted(a.hitNear), sorted(b.hitNear), std::back_inserter(far));
+        found_.otherLinks += far.size();
+        if (a.samples.size() != b.samples.size()) {
+            found_.otherLinks += a.links.size();
+            found_.otherSamples += a.samples.size();
+            return;
+        }
+        std::size_t linkOfA = 0;
+        std::size_t linkOfB = 0;
+        for (std::size_t i = 0; i < a.samples.size(); ++i) {
+            const PatchSamples& s = a.samples[i];
+            const PatchSamples& t = b.samples[i];
+            for (uint32_t n = 0; n < std::min(s.linkCount, t.linkCount); ++n)
+                found_.otherLinks += a.links[linkOfA + n] != b.links[linkOfB + n] ? 1 : 0;
+            found_.otherLinks += s.linkCount > t.linkCount ? s.linkCount - t.linkCount : t.linkCount - s.linkCount;
+            linkOfA += s.linkCount;
+            linkOfB += t.linkCount;
+            EXPECT_EQ(s.patch, t.patch);
+            EXPECT_EQ(s.rayCount, t.rayCount);
+            EXPECT_EQ(s.directCount, t.directCount);
+            EXPECT_NEAR(s.minDistance, t.minDistance, 1.0e-5f * s.minDistance);
+            found_.otherSamples += isOther(s.gathered, t.gathered) || isOther(s.direct, t.direct) ||
+                                           isOther(s.albedo, t.albedo) || isOther(s.lobes, t.lobes)
+                                       ? 1
+                                       : 0;
+            const auto light = [](const PatchSamples& of) { return double(luminance(of.gathered + of.direct)); };
+            found_.light += light(s);
+            found_.lightDifference += light(t) - light(s);
+        }
+    }
+
+    static std::vector<PatchId> sorted(std::vector<PatchId> list)
+    {
+        std::ranges::sort(list);
+        return list;
+    }
+    template<typename T> void keep(const std::vector<T>& list)
+    {
+        const auto bytes = std::as_bytes(std::span(list));
+        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    }
+
+    IntegrationSettings settings_;
+    Bench bench_;
+    StratifiedPattern pattern_;
+    PathTracer cpu_;
+    PathTracer gpu_;
+    Patches patches_;
+    RadiosityInput onCpu_;
+    RadiosityInput onGpu_;
+    std::unique_ptr<DeviceRadiosity> device_;
+    Differences found_;
+    std::array<std::size_t, 5> items_{};
+    std::vector<std::byte> bytes_;
+};
+
+constexpr std::size_t kAll = ~std::size_t(0);
+
+IntegrationSettings settingsOf(bool glossy = true, int samples = 32)
+{
+    IntegrationSettings settings;
+    settings.samples = samples;
+    settings.glossyBounces = glossy;
+    return settings;
+}
+
+/// Rays along edges decide otherwise by rounding, and so do numbers at the border of a choice.
+void expectSame(const BothPasses& passes, const char* name)
+{
+    const Differences& d = passes.differences();
+    std::cout << "    " << name << ": " << d.otherOccluded << " of " << d.occluded << " occluded patches, "
+              << d.otherLinks << " of " << d.links << " links and " << d.otherSamples << " of " << d.samples
+              << " sums differ, light by " << 100.0 * d.lightDifference / d.light << " %, rays " << d.raysOfCpu
+              << " and " << d.raysOfGpu << "\n";
+    EXPECT_GT(d.links, 1000u);
+    EXPECT_GT(d.light, 0.0);
+    EXPECT_LE(d.otherOccluded, std::max<std::size_t>(d.occluded / 200, 2));
+    EXPECT_LE(d.otherLinks, d.links / 500);
+    EXPECT_LE(d.otherSamples, d.samples / 100);
+    EXPECT_LT(std::abs(d.lightDifference), 1.0e-3 * d.light);
+    EXPECT_NEAR(double(d.raysOfGpu), double(d.raysOfCpu), 1.0e-3 * double(d.raysOfCpu));
+}
+
+/// A thin wall that stands on the floor, seen from both sides, and small leaves without a lightmap.
+Scene roomWithWallAndLeaves(bool lamp, bool sun, bool sky)
+{
+    Scene scene = room(lamp, sun, sky);
+    const int gloss = addMaterial(scene, vec3(0.7f, 0.5f, 0.3f), vec3(0.0f), true);
+    scene.materials[std::size_t(gloss)].metallic = 0.5f;
+    scene.materials[std::size_t(gloss)].roughness = 0.4f;
+    scene.materials[std::size_t(gloss)].specular = 1.0f;
+    addRectangle(scene, {vec3(-0.83f, -0.1f, 0.71f), vec3(1.1f, 0, -0.37f), vec3(0, 0.9f, 0)}, gloss, 64,
+                 {vec2(2, 47), vec2(20, 62)});
+    addRectangle(scene, {vec3(-0.7f, 1.1f, -0.7f), vec3(0.4f, 0.1f, 0), vec3(0, 0.1f, 0.4f)}, gloss, 64, {}, 6);
+    return scene;
+}
+
+using DeviceRadiosityS6 = BakeDeviceTest;
+
+TEST_F(DeviceRadiosityS6, AllPassesAreTheProcessors)
+{
+    for (const bool lamp : {false, true}) {
+        BothPasses passes(roomWithWallAndLeaves(lamp, !lamp, true), 64, settingsOf(), device);
+        passes.run(kAll);
+        for (const PassKind kind : {PassKind::Fronts, PassKind::Elements, PassKind::Backs, PassKind::Triangles})
+            EXPECT_GT(passes.itemsOf(kind), 20u) << int(kind);
+        expectSame(passes, lamp ? "lamp and sky" : "sun, point and sky");
+    }
+}
+
+TEST_F(DeviceRadiosityS6, DiffuseBouncesAndManySamples)
+{
+    BothPasses diffuse(roomWithWallAndLeaves(true, true, false), 64, settingsOf(false), device);
+    diffuse.run(kAll);
+    expectSame(diffuse, "diffuse");
+    BothPasses many(roomWithWallAndLeaves(false, true, true), 64, settingsOf(true, 128), device);
+    many.run(600);
+    expectSame(many, "many samples");
+}
+
+/// Turned, stretched and mirrored instances.
+TEST_F(DeviceRadiosityS6, BallsAndASunInTheSky)
+{
+    Scene scene = balls::ballsOnFloor();
+    scene.sky = skyOf(sunPicture(64, vec3(0.4f, 1, 0.6f), 0.15f, 200.0f), 0.7f);
+    BothPasses passes(scene, balls::kPage, settingsOf(), device);
+    passes.run(4000);
+    expectSame(passes, "balls");
+}
+
+/// So many texels that patches have four of them each.
+TEST_F(DeviceRadiosityS6, PatchesOfFourTexels)
+{
+    constexpr int kPage = 360;
+    Scene scene;
+    const int gray = addMaterial(scene, vec3(0.6f));
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, gray, kPage, {vec2(1), vec2(353, 300)});
+    addRectangle(scene, {vec3(-1, 1, -1), vec3(2, 0, 0), vec3(0, 0, 2)}, gray, kPage, {vec2(1, 305), vec2(353, 355)});
+    addRectangle(scene, {vec3(-0.97f, -0.1f, 0.86f), vec3(0.7f, 0, 0.113f), vec3(0, 0.3f, 0)}, gray, kPage);
+    addRectangle(scene, {vec3(-0.97f, -0.1f, 0.86f), vec3(0, 0.3f, 0), vec3(0.7f, 0, 0.113f)}, gray, kPage);
+    scene.lights.push_back(
+        makeLight(LightType::Directional, vec3(0), vec3(-0.6f, -0.8f, -0.5f), 8.0f, LightMode::Mixed));
+    scene.sky = {vec3(1.0f), vec3(0.6f), vec3(0.2f)};
+    BothPasses passes(scene, kPage, settingsOf(), device);
+    passes.run(6000);
+    expectSame(passes, "four texels");
+}
+
+/// Each call fails once.
+TEST_F(DeviceRadiosityS6, FaultsAreErrors)
+{
+    int left = -1; // calls until one fails
+    const auto fails = [&] { return left >= 0 && left-- == 0; };
+    const auto failing = openBakeDevice({.name = testDeviceName(), .fails = fails});
+    ASSERT_TRUE(failing) << failing.error().message;
+    IntegrationSettings settings = settingsOf();
+    Bench bench(room(true, true, true), MixedLightingMode::Shadowmask, 64, settings);
+    const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake, Bounces::Glossy, [&](const RayScene& of) {
+        return std::make_unique<GpuKernels>(*failing, of, embreeKernels()(of));
+    });
+    const StratifiedPattern pattern(1);
+    const RadiosityInput input{paths, bench.map, pattern, settings};
+    int failed = 0;
+    for (bool happened = true; happened; failed += happened ? 1 : 0) {
+        std::atomic<uint64_t> rays = 0;
+        left = failed;
+        const Result<Radiosity> result = buildRadiosity(input, {}, rays);
+        happened = left < 0;
+        left = -1;
+        EXPECT_EQ(!result, happened) << failed;
+        if (!result) EXPECT_EQ(result.error().code, ErrorCode::DeviceFailed) << result.error().message;
+        if (result) EXPECT_GT(rays.load(), 10000u);
+    }
+    EXPECT_GT(failed, 30);
+}
+
+/// The same bits again.
+TEST_F(DeviceRadiosityS6, BytesRepeat)
+{
+    const Scene scene = roomWithWallAndLeaves(true, true, true);
+    BothPasses first(scene, 64, settingsOf(), device);
+    BothPasses second(scene, 64, settingsOf(), device);
+    first.run(kAll);
+    second.run(kAll);
+    ASSERT_GT(first.bytes().size(), 10000u);
+    EXPECT_EQ(first.bytes(), second.bytes());
+}
+
+} // namespace
+} // namespace halflight::test::device_radiosity_test
