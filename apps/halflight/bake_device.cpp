@@ -46,7 +46,7 @@ Result<std::shared_ptr<BakeDevice>> opened(const std::string& name, int memoryMe
 bool isWorthAGpu(const Scene& scene, const BakeSettings& settings)
 {
     constexpr double kSamplesOfAThread = 2.0e6;
-    constexpr double kPathsOfAThread = 0.5e6;
+    constexpr double kPathsOfAThread = 0.1e6;
     const ThreadLimit limit(settings.threads);
     const double ofAThread = settings.integrator == IntegratorKind::Path ? kPathsOfAThread : kSamplesOfAThread;
     return expectedSamples(scene, settings) > ofAThread * double(threadCount());

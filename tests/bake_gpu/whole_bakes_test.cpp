@@ -118,7 +118,7 @@ struct Pairs {
         means.push_back(meanOf(cpu).mean);
     }
 
-    /// `least`: a difference that rounding explains, over the mean.
+    /// `least`: a difference that rounding, or a ray along an edge, explains; over the mean.
     void check(double least) const
     {
         const double mean = std::max(meanOf(means).mean, 1.0e-9);
@@ -168,7 +168,8 @@ TEST_P(WholeBakesS6, HaveTheProcessorsLight)
     std::cout << nameOf({GetParam(), 0}) << "\n";
     constexpr double kRoundedLight = 1.0e-3;
     light.check(kRoundedLight);
-    masks.check(1.0 / 255.0);
+    // A ray along an edge may pass on one side alone, in one texel of a block, whatever the seed.
+    masks.check(1.0 / double(kBlock * kBlock));
     probes.check(kRoundedLight);
 }
 
