@@ -83,21 +83,12 @@ public:
             points.push_back({positions[id], vec3(0.0f), vec3(0.0f)});
         }
         std::vector<GatheredLight> light(which.size());
-        const auto samples = uint32_t(samples_);
-        for (uint32_t first = 0; first < samples; first += DevicePaths::kMostPaths) {
-            const uint32_t count = std::min(samples - first, DevicePaths::kMostPaths);
-            const auto use = [&](std::span<const DevicePaths::Arrival> arrivals,
-                                 std::span<const DevicePaths::Emission> emissions) {
-                for (std::size_t i = 0; i < arrivals.size(); ++i) {
-                    const DevicePaths::Arrival& a = arrivals[i];
-                    const DevicePaths::Emission e = emissions.empty() ? DevicePaths::Emission() : emissions[i];
-                    light[i / count].add({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, a.direction, a.radiance,
-                                         a.back != 0);
-                    rays += a.rays;
-                }
-            };
-            if (Status s = device.trace({points, items, settings_.seed ^ kProbeSeed, first, count}, use); !s) return s;
-        }
+        const auto take = [&](std::size_t item, const DevicePaths::Arrival& a, const DevicePaths::Emission& e) {
+            light[item].add({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, a.direction, a.radiance, a.back != 0);
+            rays += a.rays;
+        };
+        const uint32_t seed = settings_.seed ^ kProbeSeed;
+        if (Status s = device.traceAll(points, items, seed, uint32_t(samples_), take); !s) return s;
         for (std::size_t i = 0; i < which.size(); ++i) light[i].end(out[i] = {});
         return {};
     }

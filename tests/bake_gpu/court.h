@@ -62,6 +62,16 @@ inline Scene court()
     return scene;
 }
 
+/// Plates that emit: one that faces down, one with two sides and a picture, and such a one that casts no shadow.
+inline void addPlates(Scene& scene, int picture)
+{
+    const int plain = addMaterial(scene, vec3(0.2f), vec3(9.0f, 8.0f, 6.0f));
+    addRectangle(scene, {vec3(-0.8f, 2.9f, -1), vec3(1.6f, 0, 0), vec3(0, 0, 1)}, plain, kCourtPage, {}, 3);
+    addRectangle(scene, {vec3(1.2f, 0.4f, -1), vec3(0, 0, 1), vec3(0.3f, 1, 0)}, picture, kCourtPage, {}, 2);
+    addRectangle(scene, {vec3(-1.5f, 0.4f, -1), vec3(0, 0, 1), vec3(0.3f, 1, 0)}, picture, kCourtPage);
+    scene.objects.back().castShadows = false;
+}
+
 inline Light bakedLight(LightType type, vec3 position, vec3 direction, float intensity)
 {
     return makeLight(type, position, direction, intensity, LightMode::Mixed);

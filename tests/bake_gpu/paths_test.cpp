@@ -89,7 +89,6 @@ TEST_F(DevicePathsS6, Emitters)
 {
     Scene scene = court();
     for (Material& material : scene.materials) material.baseColor *= vec4(0.5f, 0.5f, 0.5f, 1.0f);
-    const int plain = addMaterial(scene, vec3(0.2f), vec3(9.0f, 8.0f, 6.0f));
     const int picture = addMaterialWithHoles(scene, vec3(0.2f), ImageRgba8(4, 4, u8vec4(255)), true);
     Texture& holes = scene.textures.back();
     ImageRgba8 pixels(4, 4, u8vec4(200, 180, 90, 255));
@@ -97,10 +96,7 @@ TEST_F(DevicePathsS6, Emitters)
     holes.pixels = std::move(pixels);
     scene.materials[std::size_t(picture)].emissiveNits = vec3(12.0f);
     scene.materials[std::size_t(picture)].emissiveTexture = {.texture = 0};
-    addRectangle(scene, {vec3(-0.8f, 2.9f, -1), vec3(1.6f, 0, 0), vec3(0, 0, 1)}, plain, kPage, {}, 3);
-    addRectangle(scene, {vec3(1.2f, 0.4f, -1), vec3(0, 0, 1), vec3(0.3f, 1, 0)}, picture, kPage, {}, 2);
-    addRectangle(scene, {vec3(-1.5f, 0.4f, -1), vec3(0, 0, 1), vec3(0.3f, 1, 0)}, picture, kPage);
-    scene.objects.back().castShadows = false;
+    addPlates(scene, picture);
     expectSame(scene, device);
 }
 

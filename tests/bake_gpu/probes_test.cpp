@@ -114,13 +114,9 @@ TEST_F(DeviceProbesS14, SkyWithASun)
 TEST_F(DeviceProbesS14, Emitters)
 {
     Scene scene = court();
-    const int plain = addMaterial(scene, vec3(0.2f), vec3(9.0f, 8.0f, 6.0f));
     const int picture = addMaterial(scene, vec3(0.2f), vec3(12.0f), true);
     scene.materials[std::size_t(picture)].emissiveTexture = {.texture = 0};
-    addRectangle(scene, {vec3(-0.8f, 2.9f, -1), vec3(1.6f, 0, 0), vec3(0, 0, 1)}, plain, kCourtPage, {}, 3);
-    addRectangle(scene, {vec3(1.2f, 0.4f, -1), vec3(0, 0, 1), vec3(0.3f, 1, 0)}, picture, kCourtPage, {}, 2);
-    addRectangle(scene, {vec3(-1.5f, 0.4f, -1), vec3(0, 0, 1), vec3(0.3f, 1, 0)}, picture, kCourtPage);
-    scene.objects.back().castShadows = false;
+    addPlates(scene, picture);
     expectSame(scene, device);
 }
 

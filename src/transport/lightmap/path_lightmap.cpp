@@ -138,21 +138,11 @@ public:
 
     Status trace(const DevicePaths& device, uint32_t seed, uint32_t samples, uint64_t& rays)
     {
-        for (uint32_t first = 0; first < samples; first += DevicePaths::kMostPaths) {
-            const uint32_t count = std::min(samples - first, DevicePaths::kMostPaths);
-            const auto use = [&](std::span<const DevicePaths::Arrival> arrivals,
-                                 std::span<const DevicePaths::Emission> emissions) {
-                for (std::size_t i = 0; i < arrivals.size(); ++i) {
-                    const DevicePaths::Arrival& a = arrivals[i];
-                    const DevicePaths::Emission e = emissions.empty() ? DevicePaths::Emission() : emissions[i];
-                    addSample({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, kPi * a.radiance, a.direction,
-                              moments_[i / count]);
-                    rays += a.rays;
-                }
-            };
-            if (Status s = device.trace({points_, items_, seed, first, count}, use); !s) return s;
-        }
-        return {};
+        const auto take = [&](std::size_t item, const DevicePaths::Arrival& a, const DevicePaths::Emission& e) {
+            addSample({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, kPi * a.radiance, a.direction, moments_[item]);
+            rays += a.rays;
+        };
+        return device.traceAll(points_, items_, seed, samples, take);
     }
 
     void write(std::span<IrradianceEstimate> out) const

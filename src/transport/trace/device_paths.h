@@ -68,6 +68,22 @@ public:
 
     /// Traces a batch and calls use(), unless there is an error. Any thread may call it; a few calls run at one time.
     virtual Status trace(const Batch& batch, const Use& use) const = 0;
+
+    /// Traces paths 0 … `paths` - 1 of all items of a call, in several where one item has more than a call takes. Calls
+    /// take(index of the item, arrival, emission) for each, in the order of items and paths.
+    template<typename Take> Status traceAll(std::span<const Point> points, std::span<const Item> items, uint32_t seed,
+                                            uint32_t paths, const Take& take) const
+    {
+        for (uint32_t first = 0; first < paths; first += kMostPaths) {
+            const uint32_t count = std::min(paths - first, kMostPaths);
+            const auto use = [&](std::span<const Arrival> arrivals, std::span<const Emission> emissions) {
+                for (std::size_t i = 0; i < arrivals.size(); ++i)
+                    take(i / count, arrivals[i], emissions.empty() ? Emission() : emissions[i]);
+            };
+            if (Status s = trace({points, items, seed, first, count}, use); !s) return s;
+        }
+        return {};
+    }
 };
 
 } // namespace halflight
