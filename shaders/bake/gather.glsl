@@ -156,6 +156,11 @@ vec3 patternDirection(uint bits, vec3 normal, vec3 geometricNormal)
     return outOfSurface(r.x * a.x * tangent + r.x * a.y * bitangent + r.y * normal, geometricNormal);
 }
 
+vec2 placeInPatches(GpuSurface surface, vec2 barycentric)
+{
+    return surface.origin + barycentric.x * surface.edgeU + barycentric.y * surface.edgeV;
+}
+
 // PatchLayout::patchAt() and where the hit lies, in patches.
 uint patchAt(GpuSurface surface, bool back, vec2 at)
 {

@@ -46,7 +46,7 @@ bool gatherLight(uint i, out GpuOpen open)
         radiance = dimSky(ray.direction);
     } else {
         GpuSurface surface = push.tables.surfaces.at[hit.face & ~kBackBit];
-        vec2 at = surface.origin + hit.barycentric.x * surface.edgeU + hit.barycentric.y * surface.edgeV;
+        vec2 at = placeInPatches(surface, hit.barycentric);
         uint patchId = kNone;
         uint lit = kNone;
         if ((surface.patches & kHasPatches) != 0u) {

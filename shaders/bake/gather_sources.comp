@@ -77,7 +77,7 @@ void main()
             if (source.pdfArea > 0.0) {
                 uint hitIndex = source.triangle.face & ~kBackBit;
                 GpuSurface surface = push.tables.surfaces.at[hitIndex];
-                vec2 at = surface.origin + source.barycentric.x * surface.edgeU + source.barycentric.y * surface.edgeV;
+                vec2 at = placeInPatches(surface, source.barycentric);
                 uint lit = litPatchAt(surface, at, source.triangle.patchId, length(way));
                 if (lit != kNone) {
                     GpuPatch light = push.tables.patches.at[lit];

@@ -66,6 +66,30 @@ HL_FN NextEventContribution nextEventContribution(vec3 position, vec3 normal, ve
     return next;
 }
 
+// An area sample of an emitter as a direction from a place: all around it. `pdf`: per steradian; 0 = the emitter does
+// not send light there.
+struct SeenEmitter {
+    vec3 direction;
+    float distance;
+    float pdf;
+};
+HL_FN SeenEmitter emitterSeenFrom(vec3 from, vec3 emitterPosition, vec3 emitterNormal, float pdfArea, bool doubleSided)
+{
+    SeenEmitter seen;
+    seen.direction = vec3(0.0f);
+    seen.distance = 0.0f;
+    seen.pdf = 0.0f;
+    vec3 way = emitterPosition - from;
+    float distance2 = dot(way, way);
+    if (!(pdfArea > 0.0f) || !(distance2 > 0.0f)) return seen;
+    seen.distance = sqrt(distance2);
+    seen.direction = way / seen.distance;
+    float front = -dot(emitterNormal, seen.direction);
+    float cosine = doubleSided ? abs(front) : front;
+    if (cosine > 0.0f) seen.pdf = pdfArea * distance2 / cosine;
+    return seen;
+}
+
 // MIS weight of a ray that hits a surface which is sampled by area too. `directionPdf`: per steradian; `pdfArea`: of
 // the area samples at the hit, per square metre; `cosine`: at the hit.
 HL_FN float misWeightOfRay(float directionPdf, float pdfArea, float distance, float cosine)

@@ -131,19 +131,12 @@ bool isInSpace(PathSurface s)
 PathLightSample sampleInSpace(PathEmitterSample e, vec3 origin)
 {
     PathLightSample result = noLight();
-    vec3 way = e.position - origin;
-    float distance2 = dot(way, way);
-    if (!(e.pdfArea > 0.0) || !(distance2 > 0.0)) return result;
-    float distance = sqrt(distance2);
-    vec3 direction = way / distance;
-    float front = -dot(e.normal, direction);
-    float cosine = e.doubleSided ? abs(front) : front;
-    if (!(cosine > 0.0)) return result;
-    float pdf = e.pdfArea * distance2 / cosine;
-    result.light = e.radiance * ((e.rayVisible ? powerHeuristic(pdf, kUniformPdf) : 1.0) / pdf);
+    SeenEmitter seen = emitterSeenFrom(origin, e.position, e.normal, e.pdfArea, e.doubleSided);
+    if (!(seen.pdf > 0.0)) return result;
+    result.light = e.radiance * ((e.rayVisible ? powerHeuristic(seen.pdf, kUniformPdf) : 1.0) / seen.pdf);
     result.origin = origin;
-    result.direction = direction;
-    result.tMax = distance * kShortOfSurface;
+    result.direction = seen.direction;
+    result.tMax = seen.distance * kShortOfSurface;
     return result;
 }
 
@@ -195,6 +188,22 @@ PathLightSample sampleBrightSky(PathSurface s, PathLobe lobe, float otherIllumin
     return result;
 }
 
+// A sample of a kind: lamps 0, emitters 1, the sky 2. `other`: illuminance of what was sampled before.
+PathLightSample sampleKind(int kind, PathSurface s, PathLobe lobe, float other, inout PathSampler numbers)
+{
+    if (kind == 0) return sampleSources(s, lobe, numbers);
+    if (kind == 1) return sampleEmitters(s, lobe, other, numbers);
+    return sampleBrightSky(s, lobe, other, numbers);
+}
+
+// A sample's light with its shadow.
+vec3 shadowed(PathLightSample next)
+{
+    if (next.light == vec3(0.0) || next.tMax < 0.0) return next.light;
+    float passed = transmittance(next.origin, next.direction, next.tMax, kMultiplies);
+    return next.light * mix(1.0, passed, next.shadowStrength);
+}
+
 // Where a path starts it takes samples of emitters and the sky alone, without roulette. What they bring is kept apart.
 bool atStart = false;
 GpuEmission emission;
@@ -217,18 +226,9 @@ vec3 sampledLight(PathSurface s, PathLobe lobe, inout PathSampler numbers)
     vec3 sum = vec3(0.0);
     for (int kind = atStart ? 1 : 0; kind < 3; ++kind) {
         float other = atStart ? 0.0 : luminanceOf(sum);
-        PathLightSample next;
-        if (kind == 0)
-            next = sampleSources(s, lobe, numbers);
-        else if ((kind == 1) != lobe.on) // lobes have the sky first
-            next = sampleEmitters(s, lobe, other, numbers);
-        else
-            next = sampleBrightSky(s, lobe, other, numbers);
-        vec3 light = next.light;
-        if (light != vec3(0.0) && next.tMax >= 0.0) {
-            float passed = transmittance(next.origin, next.direction, next.tMax, kMultiplies);
-            light *= mix(1.0, passed, next.shadowStrength);
-        }
+        int which = lobe.on && kind > 0 ? 3 - kind : kind; // lobes have the sky first
+        PathLightSample next = sampleKind(which, s, lobe, other, numbers);
+        vec3 light = shadowed(next);
         sum += light;
         if (atStart) keepEmission(kind, light, next.direction);
     }

@@ -51,11 +51,6 @@ uint openElementAt(GpuSurface surface, vec2 at, uint patchId)
     return element == kNone || hasState(element, kOccludedState) ? kNone : element;
 }
 
-vec2 placeInPatches(GpuSurface surface, vec2 barycentric)
-{
-    return surface.origin + barycentric.x * surface.edgeU + barycentric.y * surface.edgeV;
-}
-
 // PatchPass::sourceOf(); kNone.
 uint sourceAt(uint face, vec2 barycentric)
 {

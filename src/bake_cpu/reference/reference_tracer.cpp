@@ -101,7 +101,7 @@ vec3 ReferenceTracer::emitterLight(const Hit& hit, Sampler& sampler, uint64_t& r
     const RayTracer& surfaces = paths_.surfaces();
     const vec3 origin = paths_.surfaces().rayOrigin(hit.point);
     const EmitterSample s = paths_.light().emitters().sample(origin, hit.point.normal, sampler.next2());
-    const EmitterSample::Seen seen = s.seenFrom(origin);
+    const shading::SeenEmitter seen = s.seenFrom(origin);
     if (seen.pdf <= 0.0f || !hit.scattering.above(seen.direction)) return vec3(0.0f);
     const vec3 emission =
         materials_.emissionAt(s.triangle, s.barycentric) * surfaces.materials().coverageAt(s.triangle, s.barycentric);

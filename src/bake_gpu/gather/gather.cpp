@@ -32,11 +32,6 @@ struct Lists {
 struct Push {
     VkDeviceAddress tables, lists;
 };
-/// Of paths/paths.rgen.
-struct PathPush {
-    VkDeviceAddress scene, tables, lists;
-    uint32_t whole = 0; ///< paths go on from open rays
-};
 
 constexpr std::size_t kMostRays = DeviceGather::kMostBlocks * kPatternBlock;
 
@@ -217,7 +212,7 @@ void GpuGather::finishRays(std::size_t texels, std::size_t blocks, uint32_t open
     const Workspace& w = *workspace_;
     const Push push{tables_.address(), w.lists.address()};
     const std::span<const std::byte> bytes = gpu::bytesOf(push);
-    const PathPush pathPush{scene_.address(), tables_.address(), w.lists.address()};
+    const TablesPush pathPush{scene_.address(), tables_.address(), w.lists.address()};
     device_.device().execute([&](VkCommandBuffer commands) {
         paths_.run(commands, gpu::bytesOf(pathPush), open);
         if (anyEmitters_) {

@@ -29,7 +29,6 @@ private:
 
     BakeDevice& device_;
     const GpuScene& scene_;
-
     const gpu::RayPipeline& paths_;
     const EmitterPipelines* emitters_; ///< null: the scene has neither emitters nor a bright part of the sky
     bool anyEmitters_;

@@ -68,13 +68,13 @@ PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurf
     : device_(device), glossy_(paths.glossy()), addresses_(std::make_unique<Addresses>())
 {
     ofScene_.scene = scene.address();
-    ofScene_.normals = keep(device, normalsOf(paths.surfaces()));
-    addSky(device, paths.light().sky());
-    addSurfaces(device, paths.surfaces(), *addresses_);
-    addFaces(device, scene, paths, *addresses_);
+    ofScene_.normals = keep(normalsOf(paths.surfaces()));
+    addSky(paths.light().sky());
+    addSurfaces(paths.surfaces());
+    addFaces(scene, paths);
     addresses_->surfaces = surfaces.address();
-    addPictures(device, paths.surfaces().materials(), *addresses_);
-    addLights(device, paths.light(), *addresses_);
+    addPictures(paths.surfaces().materials());
+    addLights(paths.light());
 }
 
 VkDeviceAddress PathTables::forPaths(int bounces, const RadianceCache* cache, std::vector<gpu::Buffer>& buffers) const
@@ -96,12 +96,11 @@ VkDeviceAddress PathTables::forPaths(int bounces, const RadianceCache* cache, st
     return buffers.back().address();
 }
 
-void PathTables::addSky(gpu::Device& device, const SkyLight& light)
+void PathTables::addSky(const SkyLight& light)
 {
     const Sky& sky = light.sky();
     const ImageRgb32f* picture = sky.picture.get();
-    ofScene_.picture =
-        keep(device, picture != nullptr ? std::span<const vec3>(picture->texels()) : std::span<const vec3>());
+    ofScene_.picture = keep(picture != nullptr ? std::span<const vec3>(picture->texels()) : std::span<const vec3>());
     GpuGatherConstants& all = ofScene_.all;
     all.sky = (light.black() ? 0u : kSky) | (picture != nullptr ? kSkyPicture : 0u);
     all.zenith = sky.zenith;
@@ -112,7 +111,7 @@ void PathTables::addSky(gpu::Device& device, const SkyLight& light)
     all.limit = light.limit();
 }
 
-void PathTables::addSurfaces(gpu::Device& device, const RayTracer& surfaces, Addresses& to)
+void PathTables::addSurfaces(const RayTracer& surfaces)
 {
     const BakeGeometry& geometry = surfaces.geometry();
     const auto materials = uint32_t(surfaces.materials().all().size());
@@ -120,18 +119,18 @@ void PathTables::addSurfaces(gpu::Device& device, const RayTracer& surfaces, Add
     for (const BakeGeometry::Part& part : geometry.parts)
         parts.push_back({part.material < 0 ? materials - 1 : uint32_t(part.material), part.instance,
                          part.receiveShadows ? 1u : 0u});
-    to.parts = keep(device, parts);
-    to.colors = keep(device, geometry.colors);
-    to.all.coloredVertices = geometry.colors.empty() ? 0 : 1;
-    for (std::size_t i = 0; i < kPathTextureSets; ++i) to.uv[i] = keep(device, geometry.uv[i]);
+    addresses_->parts = keep(parts);
+    addresses_->colors = keep(geometry.colors);
+    addresses_->all.coloredVertices = geometry.colors.empty() ? 0 : 1;
+    for (std::size_t i = 0; i < kPathTextureSets; ++i) addresses_->uv[i] = keep(geometry.uv[i]);
     std::vector<GpuPathMaterial> looks;
     for (const TransportMaterial& material : surfaces.materials().all())
         looks.push_back(pathMaterialOf(geometry, material));
-    to.materials = keep(device, looks);
+    addresses_->materials = keep(looks);
 }
 
 /// The triangles that rays hit, and those of them that emit.
-void PathTables::addFaces(gpu::Device& device, const GpuScene& scene, const PathTracer& paths, Addresses& to)
+void PathTables::addFaces(const GpuScene& scene, const PathTracer& paths)
 {
     const RayTracer& surfaces = paths.surfaces();
     const BakeGeometry& geometry = surfaces.geometry();
@@ -147,7 +146,7 @@ void PathTables::addFaces(gpu::Device& device, const GpuScene& scene, const Path
             if (emitter != Emitters::kNone) hitIndexOfEmitter[emitter] = uint32_t(i);
         }
     });
-    to.faces = keep(device, faces);
+    addresses_->faces = keep(faces);
     std::vector<GpuEmitter> emitters;
     for (std::size_t i = 0; i < hitIndexOfEmitter.size(); ++i) {
         const Emitters::Emissive& e = emissive.all()[i];
@@ -157,10 +156,10 @@ void PathTables::addFaces(gpu::Device& device, const GpuScene& scene, const Path
         emitters.push_back({e.origin, e.edge1, e.edge2, e.normal, e.radiance, e.inverseArea, hitIndex,
                             scene.maskedOf(hitIndex), flags});
     }
-    to.emitters = keep(device, emitters);
+    addresses_->emitters = keep(emitters);
 }
 
-void PathTables::addPictures(gpu::Device& device, const Materials& materials, Addresses& to)
+void PathTables::addPictures(const Materials& materials)
 {
     std::vector<GpuBytes> pictures;
     std::vector<u8vec4> texels;
@@ -170,30 +169,30 @@ void PathTables::addPictures(gpu::Device& device, const Materials& materials, Ad
         pictures.push_back({picture.size(), int(texture.wrapU), int(texture.wrapV), 1u, uint32_t(texels.size())});
         texels.insert(texels.end(), picture.texels().begin(), picture.texels().end());
     }
-    to.pictures = keep(device, pictures);
-    to.texels = keep(device, texels);
-    to.linear = keep(device, kLinearFromSrgb8);
+    addresses_->pictures = keep(pictures);
+    addresses_->texels = keep(texels);
+    addresses_->linear = keep(kLinearFromSrgb8);
 }
 
-void PathTables::addLights(gpu::Device& device, const SceneLight& light, Addresses& to)
+void PathTables::addLights(const SceneLight& light)
 {
     std::vector<LightSource> lights(light.lights().begin(), light.lights().end());
-    to.lights = keep(device, lights);
+    addresses_->lights = keep(lights);
     const SceneLight::Chooser& chooser = light.chooser(0);
-    to.always = keep(device, chooser.always);
-    to.lightTree = keep(device, chooser.tree.nodes());
-    to.lightOfItem = keep(device, chooser.lightOfItem);
-    to.all.anyLights = lights.empty() ? 0 : 1;
-    to.all.alwaysCount = uint32_t(chooser.always.size());
-    to.all.lightNodes = uint32_t(chooser.tree.nodes().size());
-    to.emitterTree = keep(device, light.emitters().tree().nodes());
-    to.leafOfEmitter = keep(device, light.emitters().tree().leafOfItem());
-    to.all.emitterNodes = uint32_t(light.emitters().tree().nodes().size());
-    to.all.cutNodes = uint32_t(light.emitters().tree().cutNodes());
-    to.brightAreas = keep(device, light.sky().brightAreas());
-    to.brightBins = keep(device, light.sky().brightBins());
-    to.all.brightAreas = uint32_t(light.sky().brightAreas().size());
-    to.all.brightIlluminance = light.sky().brightIlluminance();
+    addresses_->always = keep(chooser.always);
+    addresses_->lightTree = keep(chooser.tree.nodes());
+    addresses_->lightOfItem = keep(chooser.lightOfItem);
+    addresses_->all.anyLights = lights.empty() ? 0 : 1;
+    addresses_->all.alwaysCount = uint32_t(chooser.always.size());
+    addresses_->all.lightNodes = uint32_t(chooser.tree.nodes().size());
+    addresses_->emitterTree = keep(light.emitters().tree().nodes());
+    addresses_->leafOfEmitter = keep(light.emitters().tree().leafOfItem());
+    addresses_->all.emitterNodes = uint32_t(light.emitters().tree().nodes().size());
+    addresses_->all.cutNodes = uint32_t(light.emitters().tree().cutNodes());
+    addresses_->brightAreas = keep(light.sky().brightAreas());
+    addresses_->brightBins = keep(light.sky().brightBins());
+    addresses_->all.brightAreas = uint32_t(light.sky().brightAreas().size());
+    addresses_->all.brightIlluminance = light.sky().brightIlluminance();
 }
 
 } // namespace halflight

@@ -16,6 +16,12 @@ struct GatherAddresses {
     shading::GpuGatherConstants all;
 };
 
+/// Push constants of shaders that trace, which read these tables.
+struct TablesPush {
+    VkDeviceAddress scene, tables, lists;
+    uint32_t whole = 0; ///< of paths/paths.rgen: 1 = paths are whole; 0 = they go on from open rays
+};
+
 class PathTables {
 public:
     /// Uploads what all paths of the scene read. Throws gpu::Failure. All arguments outlive it.
@@ -31,16 +37,16 @@ public:
 
 private:
     struct Addresses;
-    template<typename List> VkDeviceAddress keep(gpu::Device& device, const List& list)
+    template<typename List> VkDeviceAddress keep(const List& list)
     {
-        buffers_.push_back(bufferOf(device, std::span<const typename List::value_type>(list)));
+        buffers_.push_back(bufferOf(device_, std::span<const typename List::value_type>(list)));
         return buffers_.back().address();
     }
-    void addSurfaces(gpu::Device& device, const RayTracer& surfaces, Addresses& to);
-    void addFaces(gpu::Device& device, const GpuScene& scene, const PathTracer& paths, Addresses& to);
-    void addPictures(gpu::Device& device, const Materials& materials, Addresses& to);
-    void addLights(gpu::Device& device, const SceneLight& light, Addresses& to);
-    void addSky(gpu::Device& device, const SkyLight& light);
+    void addSurfaces(const RayTracer& surfaces);
+    void addFaces(const GpuScene& scene, const PathTracer& paths);
+    void addPictures(const Materials& materials);
+    void addLights(const SceneLight& light);
+    void addSky(const SkyLight& light);
 
     gpu::Device& device_;
     bool glossy_;                      ///< PathTracer::glossy()

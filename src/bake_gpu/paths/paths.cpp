@@ -20,11 +20,6 @@ struct StartLists {
     VkDeviceAddress points, items, arrivals, emissions;
     GpuPathCall all;
 };
-/// Of paths/paths.rgen.
-struct WholePathPush {
-    VkDeviceAddress scene, tables, lists;
-    uint32_t whole = 1;
-};
 
 /// Calls that run at one time: the device traces one while threads make and read the others.
 constexpr std::size_t kWorkspaces = 3;
@@ -126,7 +121,7 @@ void GpuPaths::run(const Workspace& w, const Batch& batch) const
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
     gpu::Device& device = device_.device();
     device.execute([&](VkCommandBuffer commands) {
-        const WholePathPush push{scene_.address(), tables_.address(), w.lists.address()};
+        const TablesPush push{scene_.address(), tables_.address(), w.lists.address(), 1};
         pipeline_.run(commands, gpu::bytesOf(push), raysOfChunks(uint32_t(batch.items.size()), batch.pathsOfItem));
         gpu::copyBytes(device, commands, {w.arrivals}, {w.arrived}, count * sizeof(Arrival));
         if (samplesEmission_) gpu::copyBytes(device, commands, {w.emissions}, {w.emitted}, count * sizeof(Emission));

@@ -25,7 +25,6 @@ private:
 
     BakeDevice& device_;
     const GpuScene& scene_;
-
     const gpu::RayPipeline& pipeline_;
     bool samplesEmission_;             ///< SceneLight::samplesEmission()
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to

@@ -34,11 +34,6 @@ struct RadiosityLists {
 struct RadiosityPush {
     VkDeviceAddress tables, lists;
 };
-/// Of shaders that trace.
-struct RadiosityTracePush {
-    VkDeviceAddress scene, tables, lists;
-    uint32_t unused = 0; ///< the shaders of hits have one number more
-};
 
 /// Most rays and light samples that an item takes in any pass.
 FormFactorEffort mostEffort(const RadiosityInput& input, int patchShift)
@@ -205,7 +200,7 @@ void GpuRadiosity::run(std::size_t items, const Launch& launch, const Copy& copy
     const PassBuffers& pass = passBuffers_;
     const Workspace& w = *workspace_;
     const RadiosityPush push{tables_.address(), w.listsOnDevice.address()};
-    const RadiosityTracePush tracePush{scene_.address(), tables_.address(), w.listsOnDevice.address()};
+    const TablesPush tracePush{scene_.address(), tables_.address(), w.listsOnDevice.address()};
     on.execute([&](VkCommandBuffer commands) {
         gpu::copyBytes(on, commands, {w.lists}, {w.listsOnDevice}, sizeof(RadiosityLists));
         gpu::copyBytes(on, commands, {pass.noTally}, {pass.tally}, pass.tally.size());

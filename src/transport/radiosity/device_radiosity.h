@@ -16,15 +16,16 @@ class DeviceRadiosity {
 public:
     virtual ~DeviceRadiosity() = default;
 
-    /// A ray of a form factor.
-    struct FactorRay {
-        PatchId source = kNoPatch;         ///< where it starts; kNoPatch: there is no ray
-        uint32_t target = kMaxPatches + 2; ///< a patch, and perhaps kNearBit; kLeaves; or kOpen
-        vec3 gathered{0.0f};               ///< radiance of the sky, or of the emitter that it hits
-    };
-    static constexpr uint32_t kNearBit = 1u << 31;       ///< it is short: both of its ends are hit from near
+    static constexpr uint32_t kNearBit = 1u << 31;       ///< a ray is short: both of its ends are hit from near
     static constexpr uint32_t kLeaves = kMaxPatches + 1; ///< it hits nothing
     static constexpr uint32_t kOpen = kMaxPatches + 2;   ///< it hits no patch: its light is that of a path
+
+    /// A ray of a form factor.
+    struct FactorRay {
+        PatchId source = kNoPatch; ///< where it starts; kNoPatch: there is no ray
+        uint32_t target = kOpen;   ///< a patch, and perhaps kNearBit; kLeaves; or kOpen
+        vec3 gathered{0.0f};       ///< radiance of the sky, or of the emitter that it hits
+    };
 
     /// A sample of the lights at a point of a patch.
     struct DirectSample {

@@ -113,7 +113,7 @@ DirectLight::EmitterInSpace DirectLight::emitterInSpace(vec3 position, float dir
 {
     if (light_.emitters().empty()) return {};
     const EmitterSample s = light_.emitters().sample(position, vec3(0.0f), sampler.next2());
-    const EmitterSample::Seen seen = s.seenFrom(position);
+    const shading::SeenEmitter seen = s.seenFrom(position);
     if (seen.pdf <= 0.0f) return {};
     ++rays;
     const vec3 transmittance = tracer_.transmittance(position, seen.direction, 0.0f, seen.distance * kShortOfSurface);
@@ -137,7 +137,7 @@ DirectLight::Reflected DirectLight::reflectedEmitters(const SurfaceHit& hit, con
     if (light_.emitters().empty()) return {};
     const vec3 origin = tracer_.rayOrigin(hit.point);
     const EmitterSample s = light_.emitters().sample(origin, hit.point.normal, sampler.next2());
-    const EmitterSample::Seen seen = s.seenFrom(origin);
+    const shading::SeenEmitter seen = s.seenFrom(origin);
     if (seen.pdf <= 0.0f || glm::dot(seen.direction, hit.point.geometricNormal) <= 0.0f) return {};
     const float weight = s.rayVisible ? powerHeuristic(seen.pdf, lobe.pdf(seen.direction)) : 1.0f;
     const vec3 light = lobe.reflected(seen.direction, s.radiance * (weight / seen.pdf));

@@ -31,22 +31,9 @@ struct EmitterSample {
     vec2 barycentric{0.0f};
     int component = 0; ///< LightComponents
 
-    /// The sample as a direction from a point.
-    struct Seen {
-        vec3 direction{0.0f};
-        float distance = 0.0f;
-        float pdf = 0.0f; ///< per steradian; 0 = the emitter does not send light there
-    };
-    [[nodiscard]] Seen seenFrom(vec3 from) const
+    [[nodiscard]] shading::SeenEmitter seenFrom(vec3 from) const
     {
-        const vec3 way = position - from;
-        const float distance2 = glm::dot(way, way);
-        if (pdfArea <= 0.0f || distance2 <= 0.0f) return {};
-        const float distance = std::sqrt(distance2);
-        const vec3 direction = way / distance;
-        const float front = -glm::dot(normal, direction);
-        const float cosine = doubleSided ? std::abs(front) : front;
-        return {direction, distance, cosine > 0.0f ? pdfArea * distance2 / cosine : 0.0f};
+        return shading::emitterSeenFrom(from, position, normal, pdfArea, doubleSided);
     }
     /// What nextEventContribution() makes of it at a surface.
     [[nodiscard]] NextEventContribution from(vec3 receiver, vec3 receiverNormal, vec3 geometricNormal) const
