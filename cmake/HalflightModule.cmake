@@ -22,6 +22,11 @@ else()
     target_compile_options(halflight_options INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math
         $<BUILD_INTERFACE:-Wall -Wextra -Wno-missing-field-initializers>
         $<$<BOOL:${HALFLIGHT_WERROR}>:-Werror>)
+    # Sources this large take GCC up to 7 % less time where it collects garbage later, and 0.7 GB more memory.
+    cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY) # MiB
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND memory GREATER 15000)
+        target_compile_options(halflight_options INTERFACE $<BUILD_INTERFACE:--param=ggc-min-heapsize=1048576>) # KiB
+    endif()
 endif()
 if(HALFLIGHT_SANITIZE)
     target_compile_options(halflight_options INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=undefined)

@@ -62,7 +62,7 @@ render distance-shadowmask "distance shadowmask" "$out/shadowmask.glb" --mode di
 render subtractive "subtractive" "$out/subtractive.glb" --mode subtractive "${shadows[@]}"
 render baked-indirect "baked indirect" "$out/shadowmask.glb" --mode baked-indirect "${shadows[@]}"
 render realtime "realtime" "$out/shadowmask.glb" --mode realtime "${shadows[@]}"
-render reference "path traced, for comparison" "$out/shadowmask.glb" --reference 32
+render reference "path traced, for comparison" "$out/shadowmask.glb" --reference 24
 
 step "sheet"
 montage -font /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf -pointsize 24 -fill white -background '#202024' \
