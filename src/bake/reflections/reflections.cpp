@@ -61,6 +61,26 @@ int groupTileSize(int size)
     return std::max(size / 2 / 16 * 16, 32);
 }
 
+/// A square picture `size` texels across, by the means over their squares; of the width that it has or less.
+ImageRgb32f shrunk(const ImageRgb32f& map, int size)
+{
+    const float scale = float(map.width()) / float(size);
+    const auto last = [&](int to) { return std::min(int(std::ceil(float(to + 1) * scale)), map.width()) - 1; };
+    // Share of texel `to` along an axis that texel `from` covers.
+    const auto share = [&](int from, int to) {
+        const float begin = std::max(float(from), float(to) * scale);
+        const float end = std::min(float(from + 1), float(to + 1) * scale);
+        return std::max(end - begin, 0.0f) / scale;
+    };
+    ImageRgb32f result(size, size);
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            for (int v = int(float(y) * scale); v <= last(y); ++v)
+                for (int u = int(float(x) * scale); u <= last(x); ++u)
+                    result(x, y) += share(u, x) * share(v, y) * map(u, v);
+    return result;
+}
+
 void addTimes(vec3 weight, const ImageRgb32f& from, ImageRgb32f& to)
 {
     for (std::size_t i = 0; i < to.texelCount(); ++i) to.data()[i] += weight * from.data()[i];
@@ -140,18 +160,17 @@ private:
             probes = std::move(*placed);
         return {};
     }
-    /// Calls take(maps) with the light of each component around each probe, `size` texels across.
-    template<typename Take>
-    Status forMapsOf(std::span<const ReflectionProbe> probes, int size, double begin, double end, const Take& take)
+    /// The light of each component around each probe, `size` texels across.
+    Status mapsByComponent(std::span<const ReflectionProbe> probes, int size,
+                           std::vector<std::vector<ImageRgb32f>>& maps) const
     {
-        for (std::size_t i = 0; i < probes.size(); ++i) {
-            std::vector<ImageRgb32f> maps(components_.lightmaps.size(), ImageRgb32f(size, size));
-            if (Status s = cached_.integrator.radianceAroundByComponent(probes[i].position, components_.lightmaps,
-                                                                        kManyRays, maps, progress_);
+        for (const ReflectionProbe& probe : probes) {
+            std::vector<ImageRgb32f>& around = maps.emplace_back(components_.lightmaps.size(), ImageRgb32f(size, size));
+            if (Status s = cached_.integrator.radianceAroundByComponent(probe.position, components_.lightmaps,
+                                                                        kManyRays, around, progress_);
                 !s)
                 return s;
-            take(maps);
-            progress_("reflection probes", begin + (end - begin) * double(i + 1) / double(probes.size()));
+            progress_("reflection probes", double(maps.size()) / double(probes.size()));
         }
         return {};
     }
@@ -159,16 +178,13 @@ private:
     /// receives tiles of all light.
     Status takeByComponent(std::span<const ReflectionProbe> probes, std::vector<ImageRgb32f>& all, ReflectionSet& set)
     {
+        std::vector<std::vector<ImageRgb32f>> maps;
+        if (Status s = mapsByComponent(probes, set.size - 2, maps); !s) return s;
         const std::size_t count = components_.lightmaps.size();
-        std::vector<std::vector<ImageRgb32f>> ofGroups(count);
         std::vector<double> light(count, 0.0);
-        const auto takeSmall = [&](const std::vector<ImageRgb32f>& maps) {
-            for (std::size_t c = 0; c < count; ++c) {
-                for (const vec3 texel : maps[c].texels()) light[c] += double(luminance(texel));
-                if (c > 0) ofGroups[c].push_back(reflectionTile(maps[c]));
-            }
-        };
-        if (Status s = forMapsOf(probes, groupTileSize(set.size) - 2, 0.0, 0.2, takeSmall); !s) return s;
+        for (const std::vector<ImageRgb32f>& around : maps)
+            for (std::size_t c = 0; c < count; ++c)
+                for (const vec3 texel : around[c].texels()) light[c] += double(luminance(texel));
         const double sum = std::accumulate(light.begin(), light.end(), 0.0);
         std::vector<vec3> weights(count, vec3(0.0f)); // in the bake's own picture
         weights[0] = vec3(1.0f);
@@ -176,22 +192,24 @@ private:
             BakedGroup& group = baked_.groups[c - 1];
             if (light[c] < kLeastShare * sum || light[c] == 0.0) {
                 weights[c] = group.weight;
-            } else {
-                encodeTiles(ofGroups[c], group.reflections);
+                continue;
             }
+            std::vector<ImageRgb32f> tiles;
+            for (const std::vector<ImageRgb32f>& around : maps)
+                tiles.push_back(reflectionTile(shrunk(around[c], groupTileSize(set.size) - 2)));
+            encodeTiles(tiles, group.reflections);
         }
         std::vector<ImageRgb32f> own;
-        const auto takeWhole = [&](const std::vector<ImageRgb32f>& maps) {
-            ImageRgb32f whole(maps[0].width(), maps[0].height());
+        for (const std::vector<ImageRgb32f>& around : maps) {
+            ImageRgb32f whole(set.size - 2, set.size - 2);
             ImageRgb32f left = whole;
             for (std::size_t c = 0; c < count; ++c) {
-                addTimes(vec3(1.0f), maps[c], whole);
-                addTimes(weights[c], maps[c], left);
+                addTimes(vec3(1.0f), around[c], whole);
+                addTimes(weights[c], around[c], left);
             }
             all.push_back(reflectionTile(whole));
             own.push_back(reflectionTile(left));
-        };
-        if (Status s = forMapsOf(probes, set.size - 2, 0.2, 1.0, takeWhole); !s) return s;
+        }
         encodeTiles(own, set);
         return {};
     }
