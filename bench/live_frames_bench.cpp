@@ -1,7 +1,8 @@
 // Frames that a window gets while it bakes. Usage:
 //
-//   bench_live_frames SCENE.glb [QUALITY preview|medium|high] [LIGHTMAP_SIZE] [WxH]
+//   bench_live_frames SCENE.glb [QUALITY preview|medium|high] [LIGHTMAP_SIZE] [WxH] [DEVICE]
 //
+// DEVICE: "cpu", the default; "gpu"; or a part of a GPU's name, which bakes then.
 // Draws frames one after the other as the window does, forward with all defaults: for three seconds alone, then during
 // a bake, whose light and tiles are loaded between frames. Prints median, 90th percentile and longest seconds of a
 // frame, and those of loading. Wall time, with reading the picture back: use a quiet machine.
@@ -9,6 +10,7 @@
 
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/bake_gpu/gpu_integrator.h"
 #include "halflight/render/renderer.h"
 #include "halflight/scene/gltf.h"
 
@@ -16,6 +18,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <vector>
 
 using namespace halflight;
@@ -53,16 +56,20 @@ public:
         for (const Clock::time_point start = Clock::now(); secondsSince(start) < 3.0;) frames.push_back(frame());
         print("alone", frames);
     }
-    void baking(const BakeSettings& settings)
+    void baking(const BakeSettings& settings, const IntegratorFactory& integrators)
     {
         std::vector<double> frames;
         std::vector<double> loads;
-        BakeSession session(scene_, settings, embreeIntegrators());
+        const Clock::time_point start = Clock::now();
+        BakeSession session(scene_, settings, integrators);
         session.setView(camera_, float(view_.size.x) / float(view_.size.y));
         while (!session.state().finished) {
-            if (auto light = session.takeLight(); light || (light = session.takeProbeLight())) {
+            const auto ofTexels = session.takeLight();
+            if (const auto light = ofTexels ? ofTexels : session.takeProbeLight()) {
                 loads.push_back(load(*light));
-                std::printf("first frame with new light: %.3f s\n", frame());
+                const double first = frame();
+                std::printf("%s shown after %.2f s, in a frame of %.3f s\n",
+                            ofTexels ? "light of texels" : "light of probes", secondsSince(start), first);
             }
             const std::vector<LightTile> tiles = session.takeTiles();
             std::vector<LightmapRectangle> rectangles;
@@ -71,6 +78,7 @@ public:
             frames.push_back(frame());
         }
         (void)checked(session.takeResult());
+        std::printf("denoised light of all texels after %.2f s\n", secondsSince(start));
         print("during the bake", frames);
         print("loading light", loads);
     }
@@ -101,13 +109,18 @@ private:
 int main(int count, char** arguments)
 {
     if (count < 2) {
-        std::fprintf(stderr, "usage: bench_live_frames SCENE.glb [preview|medium|high] [LIGHTMAP_SIZE] [WxH]\n");
+        std::fprintf(stderr,
+                     "usage: bench_live_frames SCENE.glb [preview|medium|high] [LIGHTMAP_SIZE] [WxH] [DEVICE]\n");
         return 2;
     }
     ivec2 size(320, 180);
     if (count > 4 && std::sscanf(arguments[4], "%dx%d", &size.x, &size.y) != 2) return 2;
+    const std::string device = count > 5 ? arguments[5] : "cpu";
+    const IntegratorFactory integrators =
+        device == "cpu" ? embreeIntegrators()
+                        : gpuIntegrators(checked(openBakeDevice({.name = device == "gpu" ? "" : device})));
     LiveFrames live(checked(readScene(arguments[1])), size);
     live.alone();
-    live.baking(settingsOf(count, arguments));
+    live.baking(settingsOf(count, arguments), integrators);
     return 0;
 }
