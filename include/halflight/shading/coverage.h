@@ -45,6 +45,28 @@ HL_FN float wayThroughPane(float thickness, vec3 normal, vec3 scaled, vec3 direc
     return thickness * length(scaled) / max(cosine, 1.0e-4f);
 }
 
+// Distances of two hits of a ray, in metres, that count as one place: a ray through the edge of two triangles may meet
+// both.
+HL_FN bool isSamePlace(float a, float b)
+{
+    return abs(a - b) <= 1.0e-6f * b;
+}
+
+// Length of a ray from which on it has no end, in metres.
+HL_CONST float kEndlessRay = 1.0e30f;
+
+// Light that glass leaves from the end of a ray to its origin, by colour. passed: product of what faces let through.
+// way: sum of a volume's attenuation, in 1/m, times the distance, in metres, where the ray leaves the volume, less that
+// where it enters one. inside: attenuation of volumes that it enters less that of those that it leaves: where it is
+// above 0, the ray ends inside. end: the ray's length in metres. By volumeLeaves(), in any order of the faces.
+HL_FN vec3 glassLeaves(vec3 passed, vec3 way, vec3 inside, float end)
+{
+    if (end < kEndlessRay) way += max(inside, vec3(0.0f)) * end;
+    for (int c = 0; c < 3; ++c)
+        if (way[c] > 0.0f) passed[c] *= exp(-way[c]);
+    return passed;
+}
+
 HL_NAMESPACE_END
 
 #endif

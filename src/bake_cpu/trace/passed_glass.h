@@ -2,12 +2,10 @@
 // Colour of the glass along one ray.
 
 #include "halflight/base/math.h"
-#include "halflight/base/mathematics.h"
+#include "halflight/shading/coverage.h"
 
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 
 namespace halflight::embree {
 
@@ -26,12 +24,11 @@ public:
     /// ray through the edge of two triangles may meet both, which count once.
     [[nodiscard]] bool knows(const Face& face) const
     {
-        constexpr float kSamePlace = 1.0e-6f;
         for (int i = 0; i < count_; ++i) {
             const Face& other = faces_[std::size_t(i)];
             if (other.triangle == face.triangle) return true;
-            if (std::abs(other.distance - face.distance) <= kSamePlace * face.distance &&
-                other.leaving == face.leaving && other.passed == face.passed)
+            if (shading::isSamePlace(other.distance, face.distance) && other.leaving == face.leaving &&
+                other.passed == face.passed)
                 return true;
         }
         return false;
@@ -39,25 +36,20 @@ public:
     [[nodiscard]] bool full() const { return count_ == int(faces_.size()); }
     void add(const Face& face) { faces_[std::size_t(count_++)] = face; }
 
-    /// What is left of light from `end` to the ray's origin: of the faces before `end`, and by the law of Beer and
-    /// Lambert of the way through volumes. That way is the sum of distances where the ray leaves minus those where it
-    /// enters, in any order. A ray that enters more often than it leaves is inside at its end.
+    /// What is left of light from `end` to the ray's origin, by the faces before `end`.
     [[nodiscard]] vec3 transmittance(float end) const
     {
         vec3 passed(1.0f);
-        vec3 depth(0.0f);
+        vec3 way(0.0f);
         vec3 inside(0.0f);
         for (int i = 0; i < count_; ++i) {
             const Face& face = faces_[std::size_t(i)];
             if (face.distance >= end) continue;
             passed *= face.passed;
-            depth += face.distance * face.leaving;
+            way += face.distance * face.leaving;
             inside -= face.leaving;
         }
-        if (end < std::numeric_limits<float>::infinity()) depth += glm::max(inside, vec3(0.0f)) * end;
-        for (int c = 0; c < 3; ++c)
-            if (depth[c] > 0.0f) passed[c] *= math::exp(-depth[c]);
-        return passed;
+        return shading::glassLeaves(passed, way, inside, end);
     }
 
 private:

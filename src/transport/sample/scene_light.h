@@ -8,6 +8,7 @@
 #include "transport/sample/sky_light.h"
 
 #include "halflight/scene/light_groups.h"
+#include "halflight/shading/luminance.h"
 #include "halflight/shading/sampling.h"
 
 #include <array>
@@ -16,15 +17,8 @@
 
 namespace halflight {
 
+using shading::grayOf;
 using shading::shadowOf;
-
-/// The share of a light that its shadow leaves for what has no colour, as masks: of coloured light that of its
-/// luminance.
-inline float grayOf(vec3 transmittance)
-{
-    const bool gray = transmittance.x == transmittance.y && transmittance.x == transmittance.z;
-    return gray ? transmittance.x : luminance(transmittance);
-}
 
 /// Punctual lights, emissive surfaces and the sky, with what chooses among them. Immutable after construction.
 class SceneLight {

@@ -191,16 +191,22 @@ Materials::Glass Materials::glassAt(uint32_t triangle, vec2 barycentric, vec3 di
     return glass;
 }
 
+/// The transpose of world from object, times a triangle's normal.
+vec3 Materials::thicknessAlong(uint32_t triangle) const
+{
+    const int object = geometry_.partOf(triangle).object;
+    const mat3 worldFromObject(object < 0 ? mat4(1.0f) : scene_.objects[std::size_t(object)].worldFromObject);
+    return glm::transpose(worldFromObject) * geometry_.geometricNormal(triangle);
+}
+
 /// Share of light that the thickness behind a surface of no solid leaves, on a straight way.
 vec3 Materials::thicknessLeaves(uint32_t triangle, vec2 barycentric, vec3 direction) const
 {
     const TransportMaterial& material = of(triangle);
     const vec3 normal = geometry_.geometricNormal(triangle);
-    const int object = geometry_.partOf(triangle).object;
-    const mat3 worldFromObject(object < 0 ? mat4(1.0f) : scene_.objects[std::size_t(object)].worldFromObject);
     const float thickness = material.source->thickness * dataAt(triangle, barycentric, material.thickness).y;
-    const vec3 scaled = glm::transpose(worldFromObject) * normal;
-    return shading::volumeLeaves(material.attenuation, shading::wayThroughPane(thickness, normal, scaled, direction));
+    return shading::volumeLeaves(material.attenuation,
+                                 shading::wayThroughPane(thickness, normal, thicknessAlong(triangle), direction));
 }
 
 /// Of a texture at full resolution, filtered; 1 where there is none.

@@ -70,6 +70,8 @@ public:
     };
     /// `direction`: of the light, in the world.
     [[nodiscard]] Glass glassAt(uint32_t triangle, vec2 barycentric, vec3 direction) const;
+    /// Metres of a unit of thickness below a triangle, which is in its mesh's space.
+    [[nodiscard]] float metersOfThickness(uint32_t triangle) const { return glm::length(thicknessAlong(triangle)); }
     [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
     [[nodiscard]] SurfaceReflectance reflectanceAt(uint32_t triangle, vec2 barycentric) const;
     /// Whether the back of a triangle is hidden: inside a solid, or the back of a single-sided surface.
@@ -92,6 +94,7 @@ public:
 private:
     [[nodiscard]] vec4 dataAt(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
     [[nodiscard]] float alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const;
+    [[nodiscard]] vec3 thicknessAlong(uint32_t triangle) const;
     [[nodiscard]] vec3 thicknessLeaves(uint32_t triangle, vec2 barycentric, vec3 direction) const;
     void findTints();
     [[nodiscard]] u8vec4 smallTexel(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
