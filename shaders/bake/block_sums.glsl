@@ -19,6 +19,13 @@ void addToSums(int stratum, vec3 irradiance, vec3 direction)
     halves[h].moment += luminanceOf(irradiance) * direction;
 }
 
+// What surfaces let through of a source ray's light.
+vec3 passedOf(uint ray)
+{
+    if (push.tables.scene.tinted != 0u) return Vectors(uvec2(push.lists.passed)).at[ray];
+    return vec3(push.lists.passed.at[ray]);
+}
+
 // What the source rays of a block bring.
 void addSources(uint block)
 {
@@ -26,7 +33,7 @@ void addSources(uint block)
         uint i = rayOf(block, s);
         GpuRay ray = push.lists.sourceRays.at[i];
         if (ray.tMax < ray.tMin) continue;
-        addToSums(s, push.lists.sources.at[i] * push.lists.passed.at[i], ray.direction);
+        addToSums(s, push.lists.sources.at[i] * passedOf(i), ray.direction);
     }
 }
 

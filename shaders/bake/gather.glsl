@@ -72,7 +72,7 @@ layout(buffer_reference, scalar) buffer Lists
     Vectors gathered;   // irradiance along each gather ray
     Rays sourceRays;    // to secondary sources; then to emitters and the sky
     Vectors sources;    // irradiance without shadows
-    Floats passed;      // transmittance of source rays
+    Floats passed;      // transmittance of source rays: Vectors where glass has a colour
     SumsList sums;      // by block, of gather rays and secondary sources
     OpenList open;      // rays that go on as paths: each group of 64 rays has its own first in its place
     Words openBefore;   // by group of rays: how many of it are open; for paths.rgen, how many of all groups before

@@ -64,7 +64,7 @@ bool gatherLight(uint i, out GpuOpen open)
         }
         open = openRay(block, stratum, ray, hit);
     }
-    push.lists.gathered.at[i] = radiance * kShadingPi;
+    push.lists.gathered.at[i] = radiance * hit.tint * kShadingPi;
     return isOpen;
 }
 

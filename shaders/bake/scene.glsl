@@ -29,6 +29,9 @@ layout(buffer_reference, scalar) buffer MaskedTriangles { GpuMaskedTriangle at[]
 layout(buffer_reference, scalar) buffer Masks { GpuMask at[]; };
 layout(buffer_reference, scalar) buffer Pictures { GpuBytes at[]; };
 
+layout(buffer_reference, scalar) buffer GlassList { GpuGlass at[]; };
+layout(buffer_reference, scalar) buffer GlassTriangles { GpuGlassTriangle at[]; };
+
 // GpuScene::Addresses.
 layout(buffer_reference, scalar) buffer SceneData
 {
@@ -39,7 +42,12 @@ layout(buffer_reference, scalar) buffer SceneData
     Masks masks;
     Pictures pictures;
     Words bytes;
+    GlassList glass;
+    Words glassOf;           // by masked triangle; kNone, or its number among the next
+    GlassTriangles panes;
+    Floats linear;           // by byte in sRGB
     float scale; // of the scene, for rayEpsilon()
+    uint tinted; // some glass has a colour: the lists of glass are there
 };
 
 uint byteAt(Words words, uint index)
@@ -47,8 +55,14 @@ uint byteAt(Words words, uint index)
     return words.at[index >> 2u] >> ((index & 3u) * 8u) & 0xffu;
 }
 
-// Value 0 to 1 of a texture at a triangle; 1 where there is none.
-float textureValue(SceneData scene, GpuTextureUse use, GpuMaskedTriangle triangle, vec2 barycentric)
+float byteValue(SceneData scene, uint index, bool isColor)
+{
+    uint value = byteAt(scene.bytes, index);
+    return isColor ? scene.linear.at[value] : float(value);
+}
+
+// Value 0 to 1 of a texture at a triangle; 1 where there is none. isColor: its bytes are in sRGB.
+float textureValue(SceneData scene, GpuTextureUse use, GpuMaskedTriangle triangle, vec2 barycentric, bool isColor)
 {
     if (use.picture < 0) return 1.0;
     uint first = use.set * 3u;
@@ -59,23 +73,33 @@ float textureValue(SceneData scene, GpuTextureUse use, GpuMaskedTriangle triangl
                                picture.wrapV, picture.nearest != 0u);
     uint row = picture.first + uint(at.low.y * picture.size.x);
     uint next = picture.first + uint(at.high.y * picture.size.x);
-    float top = mix(float(byteAt(scene.bytes, row + uint(at.low.x))), float(byteAt(scene.bytes, row + uint(at.high.x))),
+    float top = mix(byteValue(scene, row + uint(at.low.x), isColor), byteValue(scene, row + uint(at.high.x), isColor),
                     at.weight.x);
-    float bottom = mix(float(byteAt(scene.bytes, next + uint(at.low.x))),
-                       float(byteAt(scene.bytes, next + uint(at.high.x))), at.weight.x);
-    return mix(top, bottom, at.weight.y) / 255.0;
+    float bottom = mix(byteValue(scene, next + uint(at.low.x), isColor),
+                       byteValue(scene, next + uint(at.high.x), isColor), at.weight.x);
+    float value = mix(top, bottom, at.weight.y);
+    return isColor ? value : value / 255.0;
+}
+
+// Alpha at a point, and the share that passes as through glass.
+void alphaAndGlass(SceneData scene, GpuMask m, GpuMaskedTriangle triangle, vec2 barycentric, out float alpha,
+                   out float glass)
+{
+    vec3 weights = vec3(1.0 - barycentric.x - barycentric.y, barycentric);
+    alpha = m.opacity * textureValue(scene, m.alpha, triangle, barycentric, false) * dot(weights, triangle.alpha);
+    glass = m.glass;
+    if (glass > 0.0)
+        glass *= textureValue(scene, m.transmissionTexture, triangle, barycentric, false) *
+                 (1.0 - m.metallic * textureValue(scene, m.metallicTexture, triangle, barycentric, false));
 }
 
 // As Materials::coverageAt().
 float coverageAt(SceneData scene, GpuMaskedTriangle triangle, vec2 barycentric)
 {
     GpuMask m = scene.masks.at[triangle.mask];
-    vec3 weights = vec3(1.0 - barycentric.x - barycentric.y, barycentric);
-    float alpha = m.opacity * textureValue(scene, m.alpha, triangle, barycentric) * dot(weights, triangle.alpha);
-    float glass = m.glass;
-    if (glass > 0.0)
-        glass *= textureValue(scene, m.transmissionTexture, triangle, barycentric) *
-                 (1.0 - m.metallic * textureValue(scene, m.metallicTexture, triangle, barycentric));
+    float alpha;
+    float glass;
+    alphaAndGlass(scene, m, triangle, barycentric, alpha, glass);
     return coverageOf(alpha, m.cutoff, m.blended != 0u, glass);
 }
 

@@ -2,6 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shadows.glsl"
 
+#include "halflight/shading/luminance.h"
+
 layout(local_size_x = 64) in;
 
 // Sums over each half-batch, in the order of its rays: LitSum::add().
@@ -14,11 +16,15 @@ void main()
     sum.all = 0.0;
     uint least = kLitByte;
     uint most = 0u;
+    vec3 colors = vec3(0.0);
+    bool tinted = push.tables.tinted != 0u;
     for (uint n = 0u; n < kShadowHalf; ++n) {
         uint i = rayOf(item, n);
         float weight = push.lists.weights.at[i];
         if (weight == 0.0) continue;
-        float passed = push.lists.passed.at[i];
+        vec3 color = tinted ? Vectors(uvec2(push.lists.passed)).at[i] : vec3(1.0);
+        float passed = tinted ? grayOf(color) : push.lists.passed.at[i];
+        colors += weight * color;
         sum.lit += weight * passed;
         sum.all += weight;
         uint value = uint(passed * float(kLitByte) + 0.5);
@@ -27,4 +33,5 @@ void main()
     }
     sum.range = least | most << 8u;
     push.lists.sums.at[item] = sum;
+    if (tinted) push.lists.colors.at[item] = colors;
 }

@@ -26,6 +26,7 @@ layout(buffer_reference, scalar) buffer Tables
     Pairs angles;
     uint firstBatchCount;
     float sceneScale; // for rayEpsilon()
+    uint tinted; // glass has a colour
 };
 
 // GpuShadows::Lists: what one call works on.
@@ -37,9 +38,10 @@ layout(buffer_reference, scalar) buffer Lists
     Sources sources;
     Words numbers; // of the sources' lights
     Rays rays;
-    Floats passed;  // transmittance of rays
+    Floats passed;  // transmittance of rays: Vectors where glass has a colour
     Floats weights; // of rays; 0: none
     LitSums sums;
+    Vectors colors; // sums of weight times transmittance, where glass has a colour
     Words counts; // of rays
     uint itemCount;
 };

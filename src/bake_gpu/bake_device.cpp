@@ -16,14 +16,31 @@
 #include "shaders/bake/nearest.rgen.h"
 #include "shaders/bake/nearest.rmiss.h"
 #include "shaders/bake/paths/paths.rgen.h"
+#include "shaders/bake/paths/paths.rgen.tinted.h"
+#include "shaders/bake/tints.rgen.tinted.h"
 #include "shaders/bake/transmittance.rahit.h"
+#include "shaders/bake/transmittance.rahit.tinted.h"
 #include "shaders/bake/transmittance.rgen.h"
+#include "shaders/bake/transmittance.rgen.tinted.h"
 #include "shaders/bake/transmittance.rmiss.h"
+#include "shaders/bake/transmittance.rmiss.tinted.h"
 #include "shaders/bake/validity.rgen.h"
 
 #include <cctype>
 
 namespace halflight {
+namespace {
+
+gpu::RayShaders::Ends nearestEnds()
+{
+    return {bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit};
+}
+gpu::RayShaders::Ends tintedThrough()
+{
+    return {bake_transmittance_rmiss_tinted, {}, bake_transmittance_rahit_tinted};
+}
+
+} // namespace
 
 BakeDevice::BakeDevice(const BakeDeviceOptions& options)
     : device_({.validation = options.validation,
@@ -53,11 +70,13 @@ void BakeDevice::nearest(VkCommandBuffer commands, const TracePush& push, uint32
 {
     nearest_.run(commands, gpu::bytesOf(push), count);
     fronts_.run(commands, gpu::bytesOf(push), count);
+    if (push.tinted) tints_->run(commands, gpu::bytesOf(push), count);
 }
 
 void BakeDevice::transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
 {
-    transmittance_.run(commands, gpu::bytesOf(push), count);
+    const bool byColor = push.tinted && push.byChance == 0;
+    (byColor ? *tintedTransmittance_ : transmittance_).run(commands, gpu::bytesOf(push), count);
 }
 
 void BakeDevice::crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
@@ -77,7 +96,8 @@ std::string BakeDevice::identity() const
              bake_crossings_rahit, bake_crossings_rgen, bake_fronts_rgen, bake_gather_light_comp,
              bake_gather_points_comp, bake_gather_rays_comp, bake_gather_sources_comp, bake_gather_sums_comp,
              bake_nearest_rahit, bake_nearest_rchit, bake_nearest_rgen, bake_paths_paths_rgen, bake_transmittance_rahit,
-             bake_transmittance_rgen, bake_validity_rgen})
+             bake_transmittance_rgen, bake_validity_rgen, bake_tints_rgen_tinted, bake_transmittance_rahit_tinted,
+             bake_transmittance_rgen_tinted, bake_paths_paths_rgen_tinted})
         hasher.bytes(shader.data(), shader.size_bytes());
     for (const auto& shaders : {EmitterPipelines::shaders(), ShadowPipelines::shaders(), RadiosityPipelines::shaders()})
         for (const std::span<const uint32_t> shader : shaders) hasher.bytes(shader.data(), shader.size_bytes());
@@ -87,18 +107,26 @@ std::string BakeDevice::identity() const
     return identity;
 }
 
-const gpu::RayPipeline& BakeDevice::paths()
+void BakeDevice::makeTinted()
 {
     const std::lock_guard lock(laterMutex_);
-    if (!paths_)
-        paths_.emplace(device_,
-                       gpu::RayShaders{bake_paths_paths_rgen,
-                                       bake_nearest_rmiss,
-                                       bake_nearest_rchit,
-                                       bake_nearest_rahit,
-                                       {bake_transmittance_rmiss, {}, bake_transmittance_rahit}},
-                       sizeof(TracePush));
-    return *paths_;
+    if (tints_) return;
+    tintedTransmittance_.emplace(device_, gpu::RayShaders{bake_transmittance_rgen_tinted, tintedThrough()},
+                                 uint32_t(sizeof(TracePush)));
+    tints_.emplace(device_, gpu::RayShaders{bake_tints_rgen_tinted, nearestEnds(), tintedThrough()},
+                   uint32_t(sizeof(TracePush)));
+}
+
+const gpu::RayPipeline& BakeDevice::paths(bool tinted)
+{
+    const std::lock_guard lock(laterMutex_);
+    std::optional<gpu::RayPipeline>& paths = paths_[tinted ? 1 : 0];
+    if (paths) return *paths;
+    const gpu::RayShaders::Ends through{bake_transmittance_rmiss, {}, bake_transmittance_rahit};
+    const gpu::RayShaders shaders{tinted ? std::span<const uint32_t>(bake_paths_paths_rgen_tinted)
+                                         : std::span<const uint32_t>(bake_paths_paths_rgen),
+                                  nearestEnds(), tinted ? tintedThrough() : through};
+    return paths.emplace(device_, shaders, uint32_t(sizeof(TracePush)));
 }
 
 const EmitterPipelines& BakeDevice::emitters()
@@ -122,11 +150,11 @@ const ShadowPipelines& BakeDevice::shadows()
     return *shadows_;
 }
 
-const RadiosityPipelines& BakeDevice::radiosity()
+const RadiosityPipelines& BakeDevice::radiosity(bool tinted)
 {
     const std::lock_guard lock(laterMutex_);
-    if (!radiosity_) radiosity_.emplace(device_);
-    return *radiosity_;
+    std::optional<RadiosityPipelines>& radiosity = radiosity_[tinted ? 1 : 0];
+    return radiosity ? *radiosity : radiosity.emplace(device_, tinted);
 }
 
 Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options)

@@ -9,6 +9,7 @@
 
 #include "halflight/bake_gpu/gpu_integrator.h"
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -20,8 +21,9 @@ namespace halflight {
 struct TracePush {
     VkDeviceAddress scene = 0;
     VkDeviceAddress rays = 0;    ///< shading::GpuRay
-    VkDeviceAddress results = 0; ///< shading::GpuHit; float; int
+    VkDeviceAddress results = 0; ///< shading::GpuHit; float, or vec3 by colour; int
     uint32_t byChance = 0;       ///< transmittance: 0 multiplies what blended surfaces let through
+    bool tinted = false;         ///< of a scene whose glass has a colour; no shader reads it
 };
 
 /// One device for all integrators of a bake, and for what else of it runs there.
@@ -31,9 +33,12 @@ public:
     explicit BakeDevice(const BakeDeviceOptions& options);
 
     [[nodiscard]] gpu::Device& device() { return device_; }
-    /// RayKernels' verbs for `count` rays. Each begins with a full barrier.
+    /// RayKernels' verbs for `count` rays. Each begins with a full barrier. Those of scenes whose glass has a colour
+    /// need makeTinted().
     void nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
     void transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
+    /// Makes the pipelines of scenes whose glass has a colour, once. Throws gpu::Failure.
+    void makeTinted();
     void crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
     /// Tests of `count` texels' points (shaders/bake/validity.rgen), in the same way; `results` are its lists.
     void validity(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
@@ -44,7 +49,7 @@ public:
     [[nodiscard]] const gpu::ComputePipeline& gatherSources() const { return gatherSources_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSums() const { return gatherSums_; }
     /// Paths (shaders/bake/paths/paths.rgen), made when they are first asked for. Throws gpu::Failure.
-    const gpu::RayPipeline& paths();
+    const gpu::RayPipeline& paths(bool tinted);
     /// The same of the gather's emitter samples.
     const EmitterPipelines& emitters();
     /// The denoiser's shaders, made when they are first asked for. Throws gpu::Failure.
@@ -52,7 +57,7 @@ public:
     /// The same around shadow rays.
     const ShadowPipelines& shadows();
     /// The shaders of the radiosity passes.
-    const RadiosityPipelines& radiosity();
+    const RadiosityPipelines& radiosity(bool tinted);
     [[nodiscard]] std::string name() const { return device_.properties().deviceName; }
     /// "gpu-" with the device's name, its driver's version and a hash of the shaders: what decides the bytes.
     [[nodiscard]] std::string identity() const;
@@ -70,11 +75,13 @@ private:
     gpu::ComputePipeline gatherSources_;
     gpu::ComputePipeline gatherSums_;
     std::mutex laterMutex_; ///< guards what follows
-    std::optional<gpu::RayPipeline> paths_;
+    std::optional<gpu::RayPipeline> tints_;
+    std::optional<gpu::RayPipeline> tintedTransmittance_;
+    std::array<std::optional<gpu::RayPipeline>, 2> paths_; ///< the second one with tints
     std::optional<EmitterPipelines> emitters_;
     std::optional<DenoisePipelines> denoise_;
     std::optional<ShadowPipelines> shadows_;
-    std::optional<RadiosityPipelines> radiosity_;
+    std::array<std::optional<RadiosityPipelines>, 2> radiosity_; ///< in the same way
 };
 
 /// Copies a list to a buffer that shaders find by its address, and trees are built from.

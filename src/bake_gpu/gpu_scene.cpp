@@ -1,6 +1,7 @@
 #include "bake_gpu/gpu_scene.h"
 
 #include "bake_gpu/scene_lists.h"
+#include "shading/srgb_table.h"
 
 #include <algorithm>
 
@@ -9,8 +10,9 @@ namespace {
 
 /// SceneData in shaders/bake/scene.glsl.
 struct Addresses {
-    VkDeviceAddress tree, slots, faces, masked, masks, pictures, texels;
+    VkDeviceAddress tree, slots, faces, masked, masks, pictures, texels, glass, glassNumbers, glassTriangles, linear;
     float scale;
+    uint32_t tinted;
 };
 
 VkAccelerationStructureInstanceKHR instanceOf(const BakeGeometry::Instance* place, uint32_t slot, VkDeviceAddress tree)
@@ -43,7 +45,7 @@ gpu::Tree treeOf(gpu::Device& device, const SceneLists::Mesh& mesh, const gpu::B
 
 } // namespace
 
-GpuScene::GpuScene(gpu::Device& device, const RayScene& scene)
+GpuScene::GpuScene(gpu::Device& device, const RayScene& scene) : tinted_(scene.anyTinted())
 {
     const SceneLists lists(scene);
     positions_ = bufferOf(device, scene.geometry().positions);
@@ -63,8 +65,16 @@ GpuScene::GpuScene(gpu::Device& device, const RayScene& scene)
     masks_ = bufferOf(device, lists.masks);
     pictures_ = bufferOf(device, lists.pictures);
     texels_ = bufferOf(device, lists.texels);
-    const Addresses addresses{tree_.address(),  slots_.address(),    faces_.address(),  masked_.address(),
-                              masks_.address(), pictures_.address(), texels_.address(), scene.sceneScale()};
+    if (tinted_) {
+        glass_ = bufferOf(device, lists.glass.glass);
+        glassNumbers_ = bufferOf(device, lists.glass.numbers);
+        glassTriangles_ = bufferOf(device, lists.glass.triangles);
+        linear_ = bufferOf(device, std::span<const float>(shading::kLinearFromSrgb8));
+    }
+    const Addresses addresses{tree_.address(),         slots_.address(),          faces_.address(),  masked_.address(),
+                              masks_.address(),        pictures_.address(),       texels_.address(), glass_.address(),
+                              glassNumbers_.address(), glassTriangles_.address(), linear_.address(), scene.sceneScale(),
+                              tinted_ ? 1u : 0u};
     addresses_ = bufferOf(device, std::span<const Addresses>(&addresses, 1));
 }
 
@@ -82,7 +92,8 @@ std::size_t GpuScene::bytes() const
 {
     std::size_t bytes = tree_.bytes();
     for (const gpu::Tree& mesh : meshes_) bytes += mesh.bytes();
-    for (const gpu::Buffer* buffer : {&positions_, &slots_, &faces_, &masked_, &masks_, &pictures_, &texels_})
+    for (const gpu::Buffer* buffer : {&positions_, &slots_, &faces_, &masked_, &masks_, &pictures_, &texels_, &glass_,
+                                      &glassNumbers_, &glassTriangles_, &linear_})
         bytes += buffer->size();
     return bytes;
 }

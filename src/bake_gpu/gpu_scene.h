@@ -18,6 +18,8 @@ public:
     [[nodiscard]] VkDeviceAddress positions() const { return positions_.address(); }
     /// Number of a hit triangle among the masked ones; shading::kNone of opaque ones.
     [[nodiscard]] uint32_t maskedOf(uint32_t hitIndex) const;
+    /// RayScene::anyTinted().
+    [[nodiscard]] bool tinted() const { return tinted_; }
     /// Bytes on the device.
     [[nodiscard]] std::size_t bytes() const;
 
@@ -32,7 +34,9 @@ private:
     gpu::Buffer masks_;
     gpu::Buffer pictures_;
     gpu::Buffer texels_;
+    gpu::Buffer glass_, glassNumbers_, glassTriangles_, linear_; ///< empty where no glass has a colour
     gpu::Buffer addresses_;
+    bool tinted_;
 };
 
 } // namespace halflight

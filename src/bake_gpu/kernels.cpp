@@ -42,7 +42,9 @@ template<typename Interface, typename Make> Result<std::unique_ptr<Interface>> m
 
 GpuKernels::GpuKernels(std::shared_ptr<BakeDevice> device, const RayScene& scene, std::unique_ptr<RayKernels> cpu)
     : scene_(scene), device_(std::move(device)), cpu_(std::move(cpu)), gpuScene_(device_->device(), scene)
-{}
+{
+    if (scene.anyTinted()) device_->makeTinted();
+}
 
 /// Calls use(results, first) for each launch.
 template<typename Out, typename Use>
@@ -55,8 +57,8 @@ Status GpuKernels::trace(Verb verb, std::span<const Ray> rays, bool byChance, co
         for (std::size_t first = 0; first < rays.size(); first += most) {
             const auto some = rays.subspan(first, std::min(most, rays.size() - first));
             std::memcpy(batch.upload.mapped(), some.data(), some.size_bytes());
-            const TracePush push{gpuScene_.address(), batch.rays.address(), batch.results.address(),
-                                 byChance ? 1u : 0u};
+            const TracePush push{gpuScene_.address(), batch.rays.address(), batch.results.address(), byChance ? 1u : 0u,
+                                 scene_.anyTinted()};
             device.execute([&](VkCommandBuffer commands) {
                 gpu::copyBytes(device, commands, {batch.upload}, {batch.rays}, some.size_bytes());
                 (device_.get()->*verb)(commands, push, uint32_t(some.size()));
@@ -90,6 +92,11 @@ Status GpuKernels::occluded(std::span<const Ray> rays, std::span<bool> out) cons
 Status GpuKernels::transmittance(std::span<const Ray> rays, std::span<vec3> out) const
 {
     if (!onDevice(rays.size())) return cpu_->transmittance(rays, out);
+    if (scene_.anyTinted())
+        return trace<vec3>(&BakeDevice::transmittance, rays, false,
+                           [&](std::span<const vec3> passed, std::size_t first) {
+                               std::copy(passed.begin(), passed.end(), out.begin() + std::ptrdiff_t(first));
+                           });
     return trace<float>(&BakeDevice::transmittance, rays, false, [&](std::span<const float> passed, std::size_t first) {
         for (std::size_t i = 0; i < passed.size(); ++i) out[first + i] = vec3(passed[i]);
     });
@@ -121,14 +128,13 @@ const PathTables& GpuKernels::pathTables(const PathTracer& paths) const
 
 Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTables& tables) const
 {
-    if (scene_.anyTinted()) return std::unique_ptr<DeviceGather>();
     return made<DeviceGather>(
         [&] { return std::make_unique<GpuGather>(*device_, gpuScene_, pathTables(tables.paths), tables); });
 }
 
 Result<std::unique_ptr<DevicePaths>> GpuKernels::preparePaths(const PathTracer& paths, int bounces) const
 {
-    if (scene_.anyTinted() || paths.light().components() > 0) return std::unique_ptr<DevicePaths>();
+    if (paths.light().components() > 0) return std::unique_ptr<DevicePaths>();
     return made<DevicePaths>(
         [&] { return std::make_unique<GpuPaths>(*device_, gpuScene_, pathTables(paths), paths, bounces); });
 }
@@ -136,7 +142,6 @@ Result<std::unique_ptr<DevicePaths>> GpuKernels::preparePaths(const PathTracer& 
 Result<std::unique_ptr<DeviceRadiosity>> GpuKernels::prepareRadiosity(const RadiosityInput& input,
                                                                       const PatchLayout& layout) const
 {
-    if (scene_.anyTinted()) return std::unique_ptr<DeviceRadiosity>();
     return made<DeviceRadiosity>(
         [&] { return std::make_unique<GpuRadiosity>(*device_, gpuScene_, pathTables(input.paths), input, layout); });
 }
@@ -145,13 +150,12 @@ Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTa
 {
     const bool any = std::any_of(tables.lights.begin(), tables.lights.end(),
                                  [](const PunctualLight& light) { return light.channel >= 0 || light.directAtTexels; });
-    if (scene_.anyTinted() || !any) return std::unique_ptr<DeviceShadows>();
+    if (!any) return std::unique_ptr<DeviceShadows>();
     return made<DeviceShadows>([&] { return std::make_unique<GpuShadows>(*device_, gpuScene_, surfaces(), tables); });
 }
 
 Result<std::unique_ptr<DeviceValidity>> GpuKernels::prepareValidity() const
 {
-    if (scene_.anyTinted()) return std::unique_ptr<DeviceValidity>();
     const std::vector<uint8_t>& solid = scene_.geometry().solid;
     const bool anySolid = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
     return made<DeviceValidity>([&] { return std::make_unique<GpuValidity>(*device_, gpuScene_, anySolid); });

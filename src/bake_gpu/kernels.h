@@ -9,8 +9,7 @@
 
 namespace halflight {
 
-/// Large batches are traced on the device, small ones on the processor, and so are the rays of cameras and those of
-/// scenes whose glass has a colour.
+/// Large batches are traced on the device, small ones on the processor, and so are the rays of cameras.
 class GpuKernels final : public RayKernels {
 public:
     /// Throws gpu::Failure. `cpu`: kernels of the same scene.
@@ -41,7 +40,7 @@ private:
     using Verb = void (BakeDevice::*)(VkCommandBuffer, const TracePush&, uint32_t) const;
     template<typename Out, typename Use>
     Status trace(Verb verb, std::span<const Ray> rays, bool byChance, const Use& use) const;
-    [[nodiscard]] bool onDevice(std::size_t rays) const { return rays >= kLeastBatch && !scene_.anyTinted(); }
+    [[nodiscard]] bool onDevice(std::size_t rays) const { return rays >= kLeastBatch; }
 
     /// Made when they are first asked for. Throws gpu::Failure.
     const GpuSurfaces& surfaces() const;

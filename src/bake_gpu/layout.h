@@ -87,9 +87,25 @@ struct GpuMask {
     uint multiplied; // light that passes is multiplied: blended, or glass
     float glass;     // kGlassTransmittance x transmission
     float metallic;
+    uint tint; // number of a GpuGlass; kNone: light that passes keeps its colour
     GpuTextureUse alpha;
     GpuTextureUse metallicTexture;
     GpuTextureUse transmissionTexture;
+};
+// What gives light that passes a colour.
+struct GpuGlass {
+    vec3 base;                    // linear
+    vec3 attenuation;             // of the volume behind the surface, in 1/m
+    float thickness;              // where the surface is of no solid, in the mesh's space
+    uint tinted;                  // what alpha leaves open takes the base colour too
+    GpuTextureUse baseTexture[3]; // by channel
+    GpuTextureUse thicknessTexture;
+};
+// Of a masked triangle whose mask has a tint. Normals are in the space in which it is stored.
+struct GpuGlassTriangle {
+    vec3 colors[3]; // of the vertices
+    vec3 normal;
+    float scale; // metres of thickness: length of the transpose of world from object times the normal; 1 in instances
 };
 struct GpuMaskedTriangle {
     uint triangle; // from GpuSlot::firstTriangle on

@@ -14,7 +14,7 @@ constexpr std::array kHitKinds{Opaque, Transparent};
 /// The set of texture coordinates that a masked triangle holds second: the first one that its alpha does not read.
 int secondSet(const TransportMaterial& material)
 {
-    for (const TextureRef& ref : {material.metallicRoughness, material.transmission})
+    for (const TextureRef& ref : {material.metallicRoughness, material.transmission, material.thickness})
         if (ref && ref.texCoord != material.baseColor.texCoord) return ref.texCoord;
     return material.baseColor.texCoord;
 }
@@ -111,6 +111,7 @@ shading::GpuMaskedTriangle SceneLists::maskedTriangle(uint32_t triangle, uint32_
     shading::GpuMaskedTriangle out{};
     out.triangle = triangle - first;
     out.mask = maskOf(material);
+    glass.addTriangle(scene_, triangle, uint32_t(masked.size()), material);
     const uvec3 corners = geometry.verticesOf(triangle);
     const std::array<int, 2> sets{material.baseColor.texCoord, secondSet(material)};
     for (int c = 0; c < 3; ++c) {
@@ -136,12 +137,23 @@ uint32_t SceneLists::maskOf(const TransportMaterial& material)
     mask.multiplied = material.blended ? 1u : 0u;
     mask.glass = kGlassTransmittance * source.transmission;
     mask.metallic = material.metallicFactor;
+    mask.tint = material.tints ? tintOf(material) : shading::kNone;
     const int firstSet = material.baseColor.texCoord;
     mask.alpha = useOf(material.baseColor, 3, firstSet);
     mask.metallicTexture = useOf(material.metallicRoughness, 2, firstSet);
     mask.transmissionTexture = useOf(material.transmission, 0, firstSet);
     masks.push_back(mask);
     return entry->second;
+}
+
+uint32_t SceneLists::tintOf(const TransportMaterial& material)
+{
+    const int firstSet = material.baseColor.texCoord;
+    shading::GpuGlass made = glassOf(material);
+    for (int c = 0; c < 3; ++c) made.baseTexture[c] = useOf(material.baseColor, c, firstSet);
+    made.thicknessTexture = useOf(material.thickness, 1, firstSet);
+    glass.glass.push_back(made);
+    return uint32_t(glass.glass.size() - 1);
 }
 
 shading::GpuTextureUse SceneLists::useOf(const TextureRef& ref, int channel, int firstSet)

@@ -1,7 +1,7 @@
 #pragma once
 // What a device needs of a scene, as plain lists.
 
-#include "bake_gpu/layout.h"
+#include "bake_gpu/glass_lists.h"
 #include "transport/trace/ray_scene.h"
 
 #include <map>
@@ -36,6 +36,7 @@ struct SceneLists {
     std::vector<shading::GpuMask> masks;
     std::vector<shading::GpuBytes> pictures;
     std::vector<uint8_t> texels;
+    GlassLists glass;
 
 private:
     /// First face and first masked triangle of a geometry.
@@ -47,6 +48,7 @@ private:
     void addUnseen(uint32_t firstHit, std::span<const uint32_t> triangles, uint32_t first);
     shading::GpuMaskedTriangle maskedTriangle(uint32_t triangle, uint32_t first);
     uint32_t maskOf(const TransportMaterial& material);
+    uint32_t tintOf(const TransportMaterial& material);
     shading::GpuTextureUse useOf(const TextureRef& ref, int channel, int firstSet);
     int pictureOf(int texture, int channel);
 

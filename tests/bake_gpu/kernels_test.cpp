@@ -1,11 +1,7 @@
 // Rays on a device hit what they hit on the processor (spec S6): Embree is the truth.
 
-#include "bake/geometry/balls.h"
-#include "bake/geometry/flatten.h"
-#include "bake_cpu/trace/embree_kernels.h"
-#include "bake_gpu/kernels.h"
+#include "bake_gpu/kernel_pair.h"
 #include "bake_gpu/test_device.h"
-#include "transport/trace/ray_tracer.h"
 
 #include <cmath>
 #include <cstring>
@@ -14,35 +10,6 @@ namespace halflight::test::kernels_test {
 namespace {
 
 using namespace balls;
-
-constexpr std::size_t kRays = 40000;
-static_assert(kRays > GpuKernels::kLeastBatch);
-
-/// A scene with kernels of both kinds.
-struct Pair {
-    Scene scene;
-    BakeGeometry geometry;
-    RayTracer cpu;
-    RayTracer gpu;
-
-    Pair(Scene s, const std::shared_ptr<BakeDevice>& device)
-        : scene(std::move(s)), geometry(flattenGeometry(scene, kPage, GeometryFilter::All)),
-          cpu(scene, geometry, embreeKernels()), gpu(scene, geometry, [&](const RayScene& of) {
-              return std::make_unique<GpuKernels>(device, of, embreeKernels()(of));
-          })
-    {}
-};
-
-std::vector<Ray> randomRays(float length)
-{
-    std::vector<Ray> rays;
-    for (std::size_t i = 0; i < kRays; ++i) {
-        rays.push_back(randomRay(uint32_t(i)));
-        rays.back().tMax = length;
-    }
-    rays[7].tMax = -1.0f; // meets nothing
-    return rays;
-}
 
 using KernelsS6 = BakeDeviceTest;
 

@@ -3,7 +3,7 @@
 
 #include "bake/area_light_scene.h"
 #include "bake/test_sky.h"
-#include "bake_gpu/court.h"
+#include "bake_gpu/glass_court.h"
 #include "bake_gpu/test_device.h"
 #include "transport/trace/device_paths.h"
 
@@ -138,6 +138,16 @@ TEST_F(DeviceProbesS14, BytesRepeat)
     const auto gpu = probesOn(gpuIntegrators(device), open, many, {vec3(0, 1, 0)}, {0});
     for (std::size_t c = 0; c < 9; ++c)
         EXPECT_LT(glm::distance(cpu[0].radiance[c], gpu[0].radiance[c]), 1.0e-4f * cpu[0].radiance[0].x);
+}
+
+using DeviceProbesS35 = BakeDeviceTest;
+
+TEST_F(DeviceProbesS35, LightThroughGlass)
+{
+    Scene scene = clearCourt();
+    scene.lights.push_back(bakedLight(LightType::Directional, vec3(0), vec3(0.3f, -1, -0.2f), 4.0f));
+    scene.sky = {vec3(1.0f), vec3(0.6f), vec3(0.2f)};
+    expectSame(scene, device);
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 #include "bake_cpu/trace/embree_kernels.h"
 #include "bake_gpu/kernels.h"
 #include "bake_gpu/test_device.h"
+#include "transport/glass_scene.h"
 #include "transport/radiosity/build.h"
 #include "transport/radiosity/device_passes.h"
 #include "transport/radiosity/split_patches.h"
@@ -25,6 +26,8 @@ struct Differences {
     std::size_t otherOccluded = 0;
     std::size_t links = 0;
     std::size_t otherLinks = 0;
+    std::size_t tints = 0; ///< links through coloured glass
+    std::size_t otherTints = 0;
     std::size_t samples = 0; ///< sums of light, by entry of FormFactorRange::samples
     std::size_t otherSamples = 0;
     double light = 0.0; ///< of all samples
@@ -160,8 +163,18 @@ private:
         }
     }
 
+    void compareTints(const FormFactorRange& a, const FormFactorRange& b)
+    {
+        found_.tints += a.tinted.size();
+        if (a.tinted.size() != b.tinted.size()) found_.otherTints += a.tinted.size();
+        for (std::size_t i = 0; i < std::min(a.tinted.size(), b.tinted.size()); ++i)
+            found_.otherTints +=
+                a.tinted[i].link != b.tinted[i].link || isOther(a.tinted[i].tint, b.tinted[i].tint) ? 1 : 0;
+    }
+
     void compare(const FormFactorRange& a, const FormFactorRange& b)
     {
+        compareTints(a, b);
         found_.links += a.links.size();
         found_.samples += a.samples.size();
         std::vector<PatchId> far;
@@ -243,6 +256,7 @@ void expectSame(const BothPasses& passes, const char* name)
     EXPECT_GT(d.light, 0.0);
     EXPECT_LE(d.otherOccluded, std::max<std::size_t>(d.occluded / 200, 2));
     EXPECT_LE(d.otherLinks, d.links / 500);
+    EXPECT_LE(d.otherTints, d.tints / 100);
     EXPECT_LE(d.otherSamples, d.samples / 100);
     EXPECT_LT(std::abs(d.lightDifference), 1.0e-3 * d.light);
     EXPECT_NEAR(double(d.raysOfGpu), double(d.raysOfCpu), 1.0e-3 * double(d.raysOfCpu));
@@ -283,6 +297,23 @@ TEST_F(DeviceRadiosityS6, DiffuseBouncesAndManySamples)
     BothPasses many(roomWithWallAndLeaves(false, true, true), 64, settingsOf(true, 128), device);
     many.run(600);
     expectSame(many, "many samples");
+}
+
+using DeviceRadiosityS35 = BakeDeviceTest;
+
+TEST_F(DeviceRadiosityS35, LinksTakeTheColorOfGlass)
+{
+    Scene scene = roomWithWallAndLeaves(true, true, true);
+    addRectangle(scene, {vec3(-0.2f, 0.1f, 0.9f), vec3(0.3f, 0, -1.6f), vec3(0, 1.5f, 0)},
+                 glass::addGlassMaterial(scene, glass::Glass::Quad), 64);
+    const std::size_t first = scene.objects.size();
+    addBox(scene, vec3(-0.8f, 0.5f, -0.8f), vec3(-0.5f, 1.3f, -0.4f), glass::addGlassMaterial(scene, glass::Glass::Box),
+           false);
+    joinObjects(scene, first);
+    BothPasses passes(scene, 64, settingsOf(), device);
+    passes.run(kAll);
+    expectSame(passes, "glass");
+    EXPECT_GT(passes.differences().tints, 1000u);
 }
 
 /// Turned, stretched and mirrored instances.

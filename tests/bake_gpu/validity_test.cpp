@@ -2,6 +2,7 @@
 // truth.
 
 #include "bake/geometry/balls.h"
+#include "bake_gpu/glass_court.h"
 #include "bake_gpu/test_device.h"
 
 #include <algorithm>
@@ -14,9 +15,10 @@ constexpr int kSmallPage = 128;
 
 /// Balls that the floor cuts, turned, stretched and mirrored; a shell and a solid that go through it, turned, so that
 /// their sides cut texels.
-Scene cutFloor(bool anySolid)
+Scene cutFloor(bool anySolid, bool clearBalls = false)
 {
     Scene scene = balls::ballsOnFloor();
+    if (clearBalls) scene.materials[1] = scene.materials[std::size_t(addClearGlass(scene))];
     if (!anySolid) scene.objects.resize(1);
     for (std::size_t i = 1; i < scene.objects.size(); ++i)
         scene.objects[i].worldFromObject =
@@ -53,10 +55,10 @@ std::vector<PointMask> masksOn(const IntegratorFactory& factory, const Scene& sc
 class DeviceValidityS6 : public BakeDeviceTest {};
 
 /// Both trace the same rays. One along an edge decides otherwise by rounding.
-TEST_F(DeviceValidityS6, PointsAreTheProcessors)
+void expectSamePoints(const std::shared_ptr<BakeDevice>& device, bool glass)
 {
     for (const bool anySolid : {true, false}) {
-        const Scene scene = cutFloor(anySolid);
+        const Scene scene = cutFloor(anySolid, glass);
         uint64_t raysOfCpu = 0;
         uint64_t raysOfGpu = 0;
         const std::vector<PointMask> a = masksOn(embreeIntegrators(), scene, raysOfCpu);
@@ -77,6 +79,19 @@ TEST_F(DeviceValidityS6, PointsAreTheProcessors)
         EXPECT_LE(other, a.size() / 500) << points << " points, any solid " << anySolid;
         EXPECT_NEAR(double(raysOfGpu), double(raysOfCpu), 0.01 * double(raysOfCpu));
     }
+}
+
+TEST_F(DeviceValidityS6, PointsAreTheProcessors)
+{
+    expectSamePoints(device, false);
+}
+
+using DeviceValidityS35 = BakeDeviceTest;
+
+/// Boxes among balls of glass that all rays pass.
+TEST_F(DeviceValidityS35, PointsBesideColoredGlassAreTheProcessors)
+{
+    expectSamePoints(device, true);
 }
 
 /// The list of texels is in another order each time, and its masks are the same.

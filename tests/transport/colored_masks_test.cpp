@@ -1,7 +1,5 @@
 // Masks and probes behind coloured glass, against closed forms (spec S35).
-#include "bake/lights/colored_masks.h"
-#include "bake/test_scene.h"
-#include "transport/glass_scene.h"
+#include "transport/colored_bench.h"
 
 #include <gtest/gtest.h>
 
@@ -13,39 +11,6 @@ namespace halflight::test::colored_masks_test {
 namespace {
 
 using namespace glass;
-
-const vec3 kSlanted = glm::normalize(vec3(0.5f, -1.0f, 0.3f));
-
-/// A black floor of 1 x 1 m with texels, under a white mixed sun.
-Scene floorUnderSun()
-{
-    Scene scene;
-    const int black = addMaterial(scene, vec3(0.0f));
-    addRectangle(scene, {vec3(-0.5f, 0, 0.5f), vec3(1, 0, 0), vec3(0, 0, -1)}, black, kPage, {vec2(2), vec2(10)});
-    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), kSlanted, 10.0f, LightMode::Mixed));
-    return scene;
-}
-
-IntegrationSettings oneSample()
-{
-    IntegrationSettings settings;
-    settings.samples = 16;
-    settings.bounces = 0;
-    return settings;
-}
-
-/// A bench whose lights have coloured masks where their shadows have a colour.
-struct ColoredBench : Bench {
-    std::vector<float> shares;
-
-    ColoredBench(Scene s, MixedLightingMode mode) : Bench(std::move(s), mode, kPage, oneSample())
-    {
-        shares.resize(scene.lights.size());
-        EXPECT_TRUE(integrator->coloredShadows(map, shares, {}));
-        colorMasks(scene, shares, 1);
-        integrator = std::move(*embreeIntegrators().make(scene, geometry, oneSample()));
-    }
-};
 
 std::string nameOfGlass(const testing::TestParamInfo<Glass>& info)
 {

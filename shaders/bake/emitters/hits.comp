@@ -21,5 +21,5 @@ void main()
     vec3 radiance =
         weightedEmission(s, direction, hit.distance, gatherDirectionPdf(point.normal, direction),
                          cutPdfArea(b.texel, s.face.emitter, point.position, point.normal));
-    push.lists.gathered.at[i] += radiance * kShadingPi;
+    push.lists.gathered.at[i] += radiance * hit.tint * kShadingPi;
 }

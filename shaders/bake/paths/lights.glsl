@@ -85,7 +85,7 @@ vec3 shadowOriginOf(PathSurface s)
     // The raised origin must not be behind another surface.
     float lift = distance(onFlat, origin);
     if (lift <= kLeastLift * epsilon) return origin;
-    return transmittance(onFlat, (origin - onFlat) / lift, lift, kStopsByChance) > 0.0 ? origin : onFlat;
+    return isOccluded(onFlat, (origin - onFlat) / lift, lift) ? onFlat : origin;
 }
 
 // One light's, chosen as SceneLight::chooseLight() does.
@@ -200,8 +200,8 @@ PathLightSample sampleKind(int kind, PathSurface s, PathLobe lobe, float other, 
 vec3 shadowed(PathLightSample next)
 {
     if (next.light == vec3(0.0) || next.tMax < 0.0) return next.light;
-    float passed = transmittance(next.origin, next.direction, next.tMax, kMultiplies);
-    return next.light * mix(1.0, passed, next.shadowStrength);
+    Passed passed = transmittance(next.origin, next.direction, next.tMax);
+    return next.light * mix(Passed(1.0), passed, next.shadowStrength);
 }
 
 // Where a path starts it takes samples of emitters and the sky alone, without roulette. What they bring is kept apart.

@@ -5,11 +5,11 @@
 
 #include "../nearest.glsl"
 
-layout(location = 1) rayPayloadEXT ThroughPayload through;
+#include "../through.glsl"
 
 uint traced = 0u; // rays
 
-// As nearest.rgen and then fronts.rgen.
+// As nearest.rgen, then fronts.rgen, then tints.rgen.
 GpuHit nearestHit(vec3 origin, vec3 direction)
 {
     ++traced;
@@ -22,19 +22,32 @@ GpuHit nearestHit(vec3 origin, vec3 direction)
     traceNearest(ray);
     takeHit(hit);
     preferFront(ray, hit);
+#ifdef HALFLIGHT_TINTED
+    hit.tint = tintOf(ray, hit);
+#endif
     return hit;
 }
 
-// `state`: kMultiplies, or kStopsByChance as RayKernels::occluded() does.
-float transmittance(vec3 origin, vec3 direction, float tMax, uint state)
+void countAndTrace(vec3 origin, vec3 direction, float tMax, uint state)
 {
     ++traced;
-    through.depth = 0u;
-    through.state = state;
-    traceRayEXT(accelerationStructureEXT(push.scene.tree),
-                gl_RayFlagsTerminateOnFirstHitEXT | gl_RayFlagsSkipClosestHitShaderEXT, 0xff, 1, 0, 1, origin, 0.0,
-                direction, min(tMax, kLongestRay), 1);
-    return through.state == kPassed ? exp2(-float(through.depth) / 65536.0) : 0.0;
+    GpuRay ray;
+    ray.origin = origin;
+    ray.tMin = 0.0;
+    ray.direction = direction;
+    ray.tMax = tMax;
+    traceThrough(ray, state);
+}
+// RayKernels::occluded().
+bool isOccluded(vec3 origin, vec3 direction, float tMax)
+{
+    countAndTrace(origin, direction, tMax, kStopsByChance);
+    return through.state != kPassed;
+}
+Passed transmittance(vec3 origin, vec3 direction, float tMax)
+{
+    countAndTrace(origin, direction, tMax, kMultiplies);
+    return passedBy();
 }
 
 #endif

@@ -27,6 +27,7 @@ layout(buffer_reference, scalar) buffer RadiosityLists
     Words elements;     // by patch
     Floats widths;      // by hit index: of a texel, or of a triangle patch, in metres
     FactorRays rays;
+    Vectors tints;      // of rays, where glass has a colour
     DirectSamples direct;
     Words found;  // a bit for each patch and element that an occluder crosses
     Words counts; // of rays

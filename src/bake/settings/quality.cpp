@@ -1,5 +1,4 @@
 #include "bake/settings/quality.h"
-#include "scene/model/tint.h"
 
 #include <algorithm>
 
@@ -126,8 +125,6 @@ std::string whyProcessorGathers(const Scene& scene, const BakeSettings& settings
                        std::ranges::any_of(scene.materials, [](const Material& m) { return !m.group.empty(); });
     if (settings.groups == GroupChoice::Each || (settings.groups == GroupChoice::Authored && named))
         return "the processor gathers light by light group; --groups off bakes the sum on the GPU";
-    if (std::ranges::any_of(scene.materials, tintsLight))
-        return "the processor traces all rays, because glass of the scene has a colour";
     return {};
 }
 

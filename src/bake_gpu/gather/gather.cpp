@@ -40,7 +40,7 @@ constexpr std::size_t kMostRays = DeviceGather::kMostBlocks * kPatternBlock;
 /// Buffers of one call. The lists that the processor writes and reads are in its memory, and the device reaches them
 /// there: each of their bytes is used once.
 struct GpuGather::Workspace {
-    Workspace(gpu::Device& device, const GatherTables& tables)
+    Workspace(gpu::Device& device, const GatherTables& tables, bool tinted)
         : map(device, tables.paths.surfaces().geometry(), kMostBlocks, tables.cache.layout().hitIndexOfTriangle),
           requests(device, kMostBlocks * sizeof(Texel), gpu::kAddressed, gpu::MemoryUse::Upload),
           texels(device, kMostBlocks * sizeof(GpuGatherTexel), gpu::kAddressed, gpu::MemoryUse::Device),
@@ -52,7 +52,7 @@ struct GpuGather::Workspace {
           gathered(device, kMostRays * sizeof(vec3), gpu::kAddressed, gpu::MemoryUse::Device),
           sourceRays(device, kMostRays * sizeof(GpuRay), gpu::kAddressed, gpu::MemoryUse::Device),
           sources(device, kMostRays * sizeof(vec3), gpu::kAddressed, gpu::MemoryUse::Device),
-          passed(device, kMostRays * sizeof(float), gpu::kAddressed, gpu::MemoryUse::Device),
+          passed(device, kMostRays * (tinted ? sizeof(vec3) : sizeof(float)), gpu::kAddressed, gpu::MemoryUse::Device),
           sums(device, kMostBlocks * sizeof(Sums), gpu::kAddressed, gpu::MemoryUse::Readback),
           open(device, kMostRays * sizeof(GpuOpen), gpu::kAddressed, gpu::MemoryUse::Device),
           openBefore(device, kMostRays / kGroupSize * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback),
@@ -80,7 +80,7 @@ GpuGather::~GpuGather() = default;
 
 GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables,
                      const GatherTables& tables)
-    : device_(device), scene_(scene), paths_(device.paths()),
+    : device_(device), scene_(scene), paths_(device.paths(scene.tinted())),
       emitters_(tables.paths.light().samplesEmission() ? &device.emitters() : nullptr),
       anyEmitters_(!tables.paths.light().emitters().empty())
 {
@@ -126,7 +126,7 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables
     // Without sources there are no guides.
     t.all.guidedPatches = tables.guides.empty() ? 0 : uint32_t(tables.guides.guideOfPatch().size());
     tables_ = bufferOf(on, std::span<const GatherAddresses>(&t, 1));
-    workspace_ = std::make_unique<Workspace>(on, tables);
+    workspace_ = std::make_unique<Workspace>(on, tables, scene.tinted());
 }
 
 Status GpuGather::gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,
@@ -196,11 +196,11 @@ void GpuGather::traceRays(std::size_t texels, std::size_t blocks) const
     device_.device().execute([&](VkCommandBuffer commands) {
         device_.gatherPoints().run(commands, bytes, texels * kPatternBlock, kGroupSize);
         device_.gatherRays().run(commands, bytes, count, kGroupSize);
-        device_.nearest(commands, {scene_.address(), w.rays.address(), w.hits.address()}, count);
+        device_.nearest(commands, {scene_.address(), w.rays.address(), w.hits.address(), 0, scene_.tinted()}, count);
         device_.gatherLight().run(commands, bytes, count, kGroupSize);
         if (anySources_) {
             device_.gatherSources().run(commands, bytes, count, kGroupSize);
-            device_.transmittance(commands, {scene_.address(), w.sourceRays.address(), w.passed.address()}, count);
+            device_.transmittance(commands, sourcePush(), count);
         }
         gpu::fullBarrier(device_.device(), commands);
     });
@@ -225,6 +225,12 @@ void GpuGather::finishRays(std::size_t texels, std::size_t blocks, uint32_t open
     });
 }
 
+/// Of rays to sources and emitters.
+TracePush GpuGather::sourcePush() const
+{
+    return {scene_.address(), workspace_->sourceRays.address(), workspace_->passed.address(), 0, scene_.tinted()};
+}
+
 /// How many samples a block takes follows from the light that its texel has gathered.
 void GpuGather::sampleEmitters(VkCommandBuffer commands, std::size_t texels, std::size_t blocks) const
 {
@@ -234,7 +240,7 @@ void GpuGather::sampleEmitters(VkCommandBuffer commands, std::size_t texels, std
     const uint32_t count = raysOfChunks(uint32_t(blocks), kPatternBlock);
     emitters_->shares.run(commands, bytes, texels, kGroupSize);
     emitters_->rays.run(commands, bytes, count, kGroupSize);
-    device_.transmittance(commands, {scene_.address(), w.sourceRays.address(), w.passed.address()}, count);
+    device_.transmittance(commands, sourcePush(), count);
     emitters_->sums.run(commands, bytes, blocks, kGroupSize);
 }
 

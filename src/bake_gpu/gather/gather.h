@@ -25,6 +25,7 @@ private:
     uint32_t placesOfOpenRays(std::size_t blocks) const;
     void traceRays(std::size_t texels, std::size_t blocks) const;
     void finishRays(std::size_t texels, std::size_t blocks, uint32_t open) const;
+    [[nodiscard]] TracePush sourcePush() const;
     void sampleEmitters(VkCommandBuffer commands, std::size_t texels, std::size_t blocks) const;
 
     BakeDevice& device_;

@@ -81,7 +81,8 @@ GpuPaths::~GpuPaths() = default;
 
 GpuPaths::GpuPaths(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const PathTracer& paths,
                    int bounces)
-    : device_(device), scene_(scene), pipeline_(device.paths()), samplesEmission_(paths.light().samplesEmission())
+    : device_(device), scene_(scene), pipeline_(device.paths(scene.tinted())),
+      samplesEmission_(paths.light().samplesEmission())
 {
     GatherAddresses tables = pathTables.ofScene();
     tables.paths = pathTables.forPaths(bounces, nullptr, buffers_);

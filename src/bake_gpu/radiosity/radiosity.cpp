@@ -26,7 +26,7 @@ static_assert(uint32_t(PassKind::Fronts) == kFrontsPass && uint32_t(PassKind::El
 
 /// RadiosityLists in shaders/bake/radiosity/radiosity.glsl.
 struct RadiosityLists {
-    VkDeviceAddress mapTexels, fragments, requests, items, points, states, elements, widths, rays, direct, found,
+    VkDeviceAddress mapTexels, fragments, requests, items, points, states, elements, widths, rays, tints, direct, found,
         counts;
     uint32_t itemCount;
     GpuRadiosityPass pass;
@@ -65,7 +65,8 @@ std::vector<float> widthsOf(const RayTracer& surfaces, const PatchLayout& layout
 /// Buffers of one call. What the processor writes is in its memory, and the device reaches it there. What it reads is
 /// copied: single words that shaders write to its memory would take longer.
 struct GpuRadiosity::Workspace {
-    Workspace(gpu::Device& device, const RadiosityInput& input, const PatchLayout& layout, std::size_t items)
+    Workspace(gpu::Device& device, const RadiosityInput& input, const PatchLayout& layout, std::size_t items,
+              bool tinted)
         : texels(device, input.paths.surfaces().geometry(), items, layout.hitIndexOfTriangle),
           requests(device, items * sizeof(GpuRadiosityItem), gpu::kAddressed, gpu::MemoryUse::Upload),
           lists(device, sizeof(RadiosityLists), gpu::kAddressed, gpu::MemoryUse::Upload),
@@ -80,17 +81,23 @@ struct GpuRadiosity::Workspace {
         direct = {device, directBytes, gpu::kAddressed, gpu::MemoryUse::Device};
         raysRead = {device, rayBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
         directRead = {device, directBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+        if (!tinted) return;
+        const std::size_t tintBytes = items * std::size_t(most.rays) * sizeof(vec3);
+        tints = {device, tintBytes, gpu::kAddressed, gpu::MemoryUse::Device};
+        tintsRead = {device, tintBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
     }
     TexelLists texels;
     gpu::Buffer requests, lists, listsOnDevice, items, points;
     gpu::Buffer rays, direct, raysRead, directRead;
+    gpu::Buffer tints, tintsRead; ///< empty where no glass has a colour
 };
 
 GpuRadiosity::~GpuRadiosity() = default;
 
 GpuRadiosity::GpuRadiosity(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables,
                            const RadiosityInput& input, const PatchLayout& layout)
-    : device_(device), scene_(scene), input_(input), pipelines_(device.radiosity()), transfer_(device.device())
+    : device_(device), scene_(scene), input_(input), pipelines_(device.radiosity(scene.tinted())),
+      transfer_(device.device())
 {
     gpu::Device& on = device.device();
     const auto keep = [&](const auto& list) {
@@ -109,8 +116,8 @@ GpuRadiosity::GpuRadiosity(BakeDevice& device, const GpuScene& scene, const Path
     widths_ = keep(widthsOf(input.paths.surfaces(), layout));
     tables_ = bufferOf(on, std::span<const GatherAddresses>(&t, 1));
     const std::size_t triangles = 2 * layout.hitIndexOfTriangle.size();
-    workspace_ = std::make_unique<Workspace>(on, input, layout,
-                                             std::min(std::max(input.map.texels.size(), triangles), kMostItems));
+    workspace_ = std::make_unique<Workspace>(
+        on, input, layout, std::min(std::max(input.map.texels.size(), triangles), kMostItems), scene.tinted());
 }
 
 Status GpuRadiosity::begin(const PatchPass& pass)
@@ -184,6 +191,7 @@ void GpuRadiosity::setItems(std::span<const uint32_t> items)
                                pass.elements.address(),
                                widths_,
                                w.rays.address(),
+                               w.tints.address(),
                                w.direct.address(),
                                pass.tally.address() + sizeof(uint32_t),
                                pass.tally.address(),
@@ -246,6 +254,8 @@ Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uin
     const Workspace& w = *workspace_;
     const std::span traced(reinterpret_cast<const FactorRay*>(w.raysRead.mapped()), items.size() * raysOfItem);
     const std::span direct(reinterpret_cast<const DirectSample*>(w.directRead.mapped()), items.size() * directOfItem);
+    const std::span tints(reinterpret_cast<const vec3*>(scene_.tinted() ? w.tintsRead.mapped() : nullptr),
+                          scene_.tinted() ? traced.size() : 0);
     try {
         setItems(items);
         const auto launch = [&](VkCommandBuffer commands, std::span<const std::byte> push) {
@@ -255,6 +265,8 @@ Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uin
         run(items.size(), launch, [&](VkCommandBuffer commands) {
             gpu::copyBytes(device_.device(), commands, {w.rays}, {w.raysRead}, traced.size_bytes());
             gpu::copyBytes(device_.device(), commands, {w.direct}, {w.directRead}, direct.size_bytes());
+            if (!tints.empty())
+                gpu::copyBytes(device_.device(), commands, {w.tints}, {w.tintsRead}, tints.size_bytes());
         });
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
@@ -263,7 +275,7 @@ Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uin
     const auto active = std::count_if(items.begin(), items.end(),
                                       [&](uint32_t item) { return all || input_.map.texels[item].validPoints != 0; });
     rays += tallied()[0] + uint64_t(active) * raysOfItem;
-    use(traced, direct);
+    use({traced, tints, direct});
     return {};
 }
 

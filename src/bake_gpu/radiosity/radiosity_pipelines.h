@@ -9,8 +9,8 @@
 namespace halflight {
 
 struct RadiosityPipelines {
-    /// Throws gpu::Failure.
-    explicit RadiosityPipelines(gpu::Device& device);
+    /// `tinted`: of scenes whose glass has a colour. Throws gpu::Failure.
+    RadiosityPipelines(gpu::Device& device, bool tinted);
 
     gpu::ComputePipeline points;
     gpu::RayPipeline occluders;

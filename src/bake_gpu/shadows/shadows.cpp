@@ -31,10 +31,11 @@ struct ShadowTableAddresses {
     VkDeviceAddress surfaces, lights, firstBatches, radii, angles;
     uint32_t firstBatchCount;
     float sceneScale;
+    uint32_t tinted;
 };
 /// Lists in shaders/bake/shadows.glsl.
 struct ShadowLists {
-    VkDeviceAddress texels, fragments, items, sources, numbers, rays, passed, weights, sums, counts;
+    VkDeviceAddress texels, fragments, items, sources, numbers, rays, passed, weights, sums, colors, counts;
     uint32_t itemCount;
 };
 struct ShadowPush {
@@ -66,20 +67,24 @@ std::vector<std::span<const uint32_t>> ShadowPipelines::shaders()
 
 /// Buffers of one call. What the processor writes and reads is in its memory, and the device reaches it there.
 struct GpuShadows::Workspace {
-    Workspace(gpu::Device& device, const BakeGeometry& geometry, std::size_t lightCount)
+    Workspace(gpu::Device& device, const BakeGeometry& geometry, std::size_t lightCount, bool tinted)
         : texels(device, geometry, kItemsAtOnce),
           items(device, kItemsAtOnce * sizeof(Item), gpu::kAddressed, gpu::MemoryUse::Upload),
           sources(device, kMaxShadowSources * sizeof(GpuShadowSource), gpu::kAddressed, gpu::MemoryUse::Upload),
           numbers(device, lightCount * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Upload),
           lists(device, sizeof(ShadowLists), gpu::kAddressed, gpu::MemoryUse::Upload),
           rays(device, kItemsAtOnce * kShadowHalf * sizeof(GpuRay), gpu::kAddressed, gpu::MemoryUse::Device),
-          passed(device, kItemsAtOnce * kShadowHalf * sizeof(float), gpu::kAddressed, gpu::MemoryUse::Device),
+          passed(device, kItemsAtOnce * kShadowHalf * (tinted ? sizeof(vec3) : sizeof(float)), gpu::kAddressed,
+                 gpu::MemoryUse::Device),
           weights(device, kItemsAtOnce * kShadowHalf * sizeof(float), gpu::kAddressed, gpu::MemoryUse::Device),
           sums(device, kItemsAtOnce * sizeof(LitSum), gpu::kAddressed, gpu::MemoryUse::Readback),
           counts(device, sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
-    {}
+    {
+        if (tinted) colors = {device, kItemsAtOnce * sizeof(vec3), gpu::kAddressed, gpu::MemoryUse::Readback};
+    }
     TexelLists texels;
     gpu::Buffer items, sources, numbers, lists, rays, passed, weights, sums, counts;
+    gpu::Buffer colors; ///< empty where no glass has a colour
 };
 
 GpuShadows::~GpuShadows() = default;
@@ -97,11 +102,16 @@ GpuShadows::GpuShadows(BakeDevice& device, const GpuScene& scene, const GpuSurfa
     const std::vector<shading::LightSource> lights(tables.lights.begin(), tables.lights.end());
     const StratifiedPattern::Tables pattern = tables.pattern.tables();
     const std::span<const uint32_t> batches = ShadowGroup::firstBatches();
-    const ShadowTableAddresses t{surfaces.address(),          keep(lights),         keep(batches),
-                                 keep(pattern.radii),         keep(pattern.angles), uint32_t(batches.size()),
-                                 tables.surfaces.sceneScale()};
+    const ShadowTableAddresses t{surfaces.address(),
+                                 keep(lights),
+                                 keep(batches),
+                                 keep(pattern.radii),
+                                 keep(pattern.angles),
+                                 uint32_t(batches.size()),
+                                 tables.surfaces.sceneScale(),
+                                 scene.tinted() ? 1u : 0u};
     tables_ = bufferOf(on, std::span<const ShadowTableAddresses>(&t, 1));
-    workspace_ = std::make_unique<Workspace>(on, geometry_, tables.lights.size());
+    workspace_ = std::make_unique<Workspace>(on, geometry_, tables.lights.size(), scene.tinted());
 }
 
 void GpuShadows::setSources(std::span<const ShadowSource> sources) const
@@ -130,7 +140,8 @@ void GpuShadows::setItems(std::span<const Item> items, uint32_t firstTexel) cons
     });
 }
 
-Status GpuShadows::trace(const TexelMap& map, const Batch& batch, std::span<LitSum> sums, uint64_t& rays) const
+Status GpuShadows::trace(const TexelMap& map, const Batch& batch, std::span<LitSum> sums, std::span<vec3> colors,
+                         uint64_t& rays) const
 {
     const std::lock_guard turn(mutex_);
     setSources(batch.sources);
@@ -144,6 +155,8 @@ Status GpuShadows::trace(const TexelMap& map, const Batch& batch, std::span<LitS
             setItems(items, firstTexel);
             rays += traceItems(items.size());
             std::memcpy(sums.data() + first, workspace_->sums.mapped(), items.size() * sizeof(LitSum));
+            if (!colors.empty())
+                std::memcpy(colors.data() + first, workspace_->colors.mapped(), items.size() * sizeof(vec3));
         }
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
@@ -158,14 +171,14 @@ uint32_t GpuShadows::traceItems(std::size_t itemCount) const
     std::memset(w.counts.mapped(), 0, w.counts.size());
     const ShadowLists lists{w.texels.texels(),   w.texels.fragments(), w.items.address(),  w.sources.address(),
                             w.numbers.address(), w.rays.address(),     w.passed.address(), w.weights.address(),
-                            w.sums.address(),    w.counts.address(),   uint32_t(itemCount)};
+                            w.sums.address(),    w.colors.address(),   w.counts.address(), uint32_t(itemCount)};
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
     const ShadowPush push{tables_.address(), w.lists.address()};
     const uint32_t count = shading::raysOfChunks(uint32_t(itemCount), kShadowHalf);
     const ShadowPipelines& pipelines = device_.shadows();
     device_.device().execute([&](VkCommandBuffer commands) {
         const std::span<const std::byte> bytes = gpu::bytesOf(push);
-        const TracePush trace{scene_.address(), w.rays.address(), w.passed.address()};
+        const TracePush trace{scene_.address(), w.rays.address(), w.passed.address(), 0, scene_.tinted()};
         if (anySmooth_) {
             pipelines.lifts.run(commands, bytes, count, shading::kGroupSize);
             TracePush occluded = trace;

@@ -16,7 +16,8 @@ public:
     GpuShadows(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const ShadowTables& tables);
     ~GpuShadows() override;
 
-    Status trace(const TexelMap& map, const Batch& batch, std::span<LitSum> sums, uint64_t& rays) const override;
+    Status trace(const TexelMap& map, const Batch& batch, std::span<LitSum> sums, std::span<vec3> colors,
+                 uint64_t& rays) const override;
 
 private:
     struct Workspace;

@@ -20,7 +20,7 @@ public:
         : pass_(pass), out_(out), effort_(effortOf(pass)), again_(pass, out)
     {}
 
-    void add(std::span<const uint32_t> items, std::span<const FactorRay> rays, std::span<const DirectSample> direct)
+    void add(std::span<const uint32_t> items, const DeviceRadiosity::Traced& traced)
     {
         const auto strata = std::size_t(effort_.strata());
         const std::size_t perItem = std::size_t(effort_.blocks()) * strata;
@@ -29,19 +29,28 @@ public:
             const std::size_t end = std::min(first + kLanes, items.size());
             const uint32_t group = pass_.kind() == PassKind::Triangles ? 0 : effort_.groupOf(items[first]);
             for (int b = 0; b < effort_.blocks(); ++b) {
-                for (std::size_t i = first; i < end; ++i)
-                    addBlock(items[i], group, b, rays.subspan(i * perItem + std::size_t(b) * strata, strata));
+                for (std::size_t i = first; i < end; ++i) {
+                    const std::size_t begin = i * perItem + std::size_t(b) * strata;
+                    addBlock(items[i], group, b, traced.rays.subspan(begin, strata),
+                             partOf(traced.tints, begin, strata));
+                }
             }
             for (std::size_t s = 0; s < samples; ++s) {
-                for (std::size_t i = first; i < end; ++i) addDirect(direct[i * samples + s]);
+                for (std::size_t i = first; i < end; ++i) addDirect(traced.direct[i * samples + s]);
             }
         }
     }
     [[nodiscard]] uint64_t rays() const { return again_.rays(); }
+    /// A part of a list, which may be empty.
+    static std::span<const vec3> partOf(std::span<const vec3> list, std::size_t first, std::size_t count)
+    {
+        return list.empty() ? list : list.subspan(first, count);
+    }
 
 private:
     /// Those of an element follow one another, so that it has one entry of samples.
-    void addBlock(uint32_t item, uint32_t group, int block, std::span<const FactorRay> rays)
+    void addBlock(uint32_t item, uint32_t group, int block, std::span<const FactorRay> rays,
+                  std::span<const vec3> tints)
     {
         std::array<std::pair<PatchId, uint32_t>, StratifiedPattern::kBlock> order; // source and stratum
         std::array<uint8_t, StratifiedPattern::kBlock> numberOf{};                 // by stratum
@@ -53,11 +62,13 @@ private:
         if (pass_.ofElements()) std::sort(order.begin(), order.begin() + std::ptrdiff_t(rays.size()));
         for (std::size_t n = 0; n < rays.size(); ++n) {
             const auto [source, stratum] = order[n];
-            if (source != kNoPatch) addRay(item, block, uint8_t(stratum), rays[numberOf[stratum]]);
+            const uint8_t number = numberOf[stratum];
+            if (source != kNoPatch)
+                addRay(item, block, uint8_t(stratum), rays[number], tints.empty() ? vec3(1.0f) : tints[number]);
         }
     }
 
-    void addRay(uint32_t item, int block, uint8_t stratum, const FactorRay& ray)
+    void addRay(uint32_t item, int block, uint8_t stratum, const FactorRay& ray, vec3 tint)
     {
         if (ray.target == DeviceRadiosity::kOpen) {
             addOpen(item, block, stratum);
@@ -68,6 +79,7 @@ private:
         samples.gathered += ray.gathered;
         if (ray.target == DeviceRadiosity::kLeaves) return;
         const PatchId target = ray.target & ~DeviceRadiosity::kNearBit;
+        if (tint != vec3(1.0f)) out_.tinted.push_back({uint32_t(out_.links.size()), tint});
         out_.links.push_back(target);
         ++samples.linkCount;
         if (target == ray.target) return;
@@ -140,14 +152,16 @@ Status gatherOn(DeviceRadiosity& device, const PatchPass& pass, std::span<const 
     const auto directOfItem = std::size_t(effort.direct);
     return forCalls(items, progress, [&](std::span<const uint32_t> some, std::size_t first) {
         const auto ranges = out.subspan(first / kRangeItems, (some.size() + kRangeItems - 1) / kRangeItems);
-        const auto use = [&](std::span<const FactorRay> traced, std::span<const DirectSample> direct) {
+        const auto use = [&](const DeviceRadiosity::Traced& traced) {
             parallelFor(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t r = begin; r < end; ++r) {
                     const std::size_t item = r * kRangeItems;
                     const std::size_t count = std::min(kRangeItems, some.size() - item);
                     TracedFactors factors(pass, ranges[r]);
-                    factors.add(some.subspan(item, count), traced.subspan(item * raysOfItem, count * raysOfItem),
-                                direct.subspan(item * directOfItem, count * directOfItem));
+                    factors.add(some.subspan(item, count),
+                                {traced.rays.subspan(item * raysOfItem, count * raysOfItem),
+                                 TracedFactors::partOf(traced.tints, item * raysOfItem, count * raysOfItem),
+                                 traced.direct.subspan(item * directOfItem, count * directOfItem)});
                     ranges[r].shrink();
                     rays += factors.rays();
                 }

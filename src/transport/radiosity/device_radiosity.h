@@ -24,7 +24,7 @@ public:
     struct FactorRay {
         PatchId source = kNoPatch; ///< where it starts; kNoPatch: there is no ray
         uint32_t target = kOpen;   ///< a patch, and perhaps kNearBit; kLeaves; or kOpen
-        vec3 gathered{0.0f};       ///< radiance of the sky, or of the emitter that it hits
+        vec3 gathered{0.0f};       ///< radiance of the sky, or of the emitter that it hits, times the ray's tint
     };
 
     /// A sample of the lights at a point of a patch.
@@ -43,9 +43,14 @@ public:
     virtual Status begin(const PatchPass& pass) = 0;
     /// Appends the patches and elements of the items that an occluder crosses to `found`, in ascending order.
     virtual Status findOccluded(std::span<const uint32_t> items, std::vector<PatchId>& found, uint64_t& rays) = 0;
-    /// Ray n (of effortOf(pass)) of item i is at [i * rays + n], in the order of blocks and of
+    /// What a call has traced. Ray n (of effortOf(pass)) of item i is at [i * rays + n], in the order of blocks and of
     /// shading::factorStratum(); light sample n is at [i * direct + n].
-    using Use = std::function<void(std::span<const FactorRay> rays, std::span<const DirectSample> direct)>;
+    struct Traced {
+        std::span<const FactorRay> rays;
+        std::span<const vec3> tints; ///< RayHit::tint of the rays; empty where no glass has a colour
+        std::span<const DirectSample> direct;
+    };
+    using Use = std::function<void(const Traced& traced)>;
     /// Traces all rays of items and calls use(), unless there is an error.
     virtual Status gather(std::span<const uint32_t> items, const Use& use, uint64_t& rays) = 0;
 };

@@ -16,9 +16,16 @@ namespace halflight {
 
 class BatchShadows {
 public:
-    BatchShadows(const DeviceShadows& device, const TexelMap& map, std::span<const ShadowSource> sources)
-        : device_(device), map_(map), sources_(sources)
+    /// `colored`: sums by colour are needed too.
+    BatchShadows(const DeviceShadows& device, const TexelMap& map, std::span<const ShadowSource> sources, bool colored)
+        : device_(device), map_(map), sources_(sources), colored_(colored)
     {}
+
+    /// Of a texel's items, in their order.
+    struct Sums {
+        std::span<const LitSum> lit;
+        std::span<const vec3> colors; ///< ShadowRays::Sums::colors; empty unless they are needed
+    };
 
     /// Traces the items of `texels`. countOf(i) is their number for texel i of the list, fill(i, items) writes them but
     /// for Item::texel, use(i, sums) takes their sums in the same order. All three are called on all threads.
@@ -35,16 +42,22 @@ public:
             };
             items_.resize(firsts_[some]);
             sums_.resize(firsts_[some]);
+            if (colored_) colors_.resize(firsts_[some]);
             forEachIndex(some, [&](std::size_t i) {
                 const std::span<DeviceShadows::Item> items = part(items_, i);
                 fill(begin + i, items);
                 for (DeviceShadows::Item& item : items) item.texel = uint32_t(i);
             });
             uint64_t traced = 0;
-            if (Status s = device_.trace(map_, {sources_, texels.subspan(begin, some), items_}, sums_, traced); !s)
+            if (Status s = device_.trace(map_, {sources_, texels.subspan(begin, some), items_}, sums_, colors_, traced);
+                !s)
                 return s;
             rays += traced;
-            forEachIndex(some, [&](std::size_t i) { use(begin + i, part(std::as_const(sums_), i)); });
+            forEachIndex(some, [&](std::size_t i) {
+                const std::span<const vec3> colors =
+                    colored_ ? part(std::as_const(colors_), i) : std::span<const vec3>();
+                use(begin + i, Sums{part(std::as_const(sums_), i), colors});
+            });
             begin += some;
             progress(stage, double(begin) / double(count));
         }
@@ -74,6 +87,8 @@ private:
     std::vector<std::size_t> firsts_; ///< by texel, its first item; then their number
     std::vector<DeviceShadows::Item> items_;
     std::vector<LitSum> sums_;
+    bool colored_;
+    std::vector<vec3> colors_; ///< empty unless they are needed
 };
 
 } // namespace halflight

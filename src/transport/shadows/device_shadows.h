@@ -40,8 +40,10 @@ public:
         std::span<const uint32_t> texels;
         std::span<const Item> items;
     };
-    /// Sums of any number of items. Any thread may call it. `rays` are counted.
-    virtual Status trace(const TexelMap& map, const Batch& batch, std::span<LitSum> sums, uint64_t& rays) const = 0;
+    /// Sums of any number of items. Any thread may call it. `colors`: ShadowRays::Sums::colors by item, or empty; they
+    /// are asked for only where glass has a colour. `rays` are counted.
+    virtual Status trace(const TexelMap& map, const Batch& batch, std::span<LitSum> sums, std::span<vec3> colors,
+                         uint64_t& rays) const = 0;
 };
 
 } // namespace halflight

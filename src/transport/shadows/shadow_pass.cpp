@@ -102,16 +102,16 @@ private:
         const auto fill = [](std::size_t, std::span<DeviceShadows::Item> items) {
             for (std::size_t s = 0; s < items.size(); ++s) items[s] = {0, 0, kAllPoints, uint16_t(s)};
         };
-        const auto use = [&](std::size_t i, std::span<const LitSum> sums) {
+        const auto use = [&](std::size_t i, const BatchShadows::Sums& sums) {
             std::size_t number = 0;
             const bool counted = isAsked(set_[i], number) && validPoints(number) == kAllPoints;
-            for (std::size_t s = 0; s < sums.size(); ++s) {
-                first_[i * sourceCount() + s] = sums[s].range;
-                if (counted) counts_[number * sourceCount() + s].add(sums[s]);
+            for (std::size_t s = 0; s < sums.lit.size(); ++s) {
+                first_[i * sourceCount() + s] = sums.lit[s].range;
+                if (counted) add(number * sourceCount() + s, sums, s);
             }
         };
         const auto countOf = [&](std::size_t) { return sourceCount(); };
-        return BatchShadows(*pass_.device, pass_.map, sources_)
+        return BatchShadows(*pass_.device, pass_.map, sources_, !colors_.empty())
             .trace(set_.texels(), countOf, fill, use, progress, pass_.stage, pass_.rays);
     }
 
@@ -233,15 +233,15 @@ private:
                 for (int half = firstOf(i); isOpen(i, s) && half < end; ++half)
                     *item++ = {0, uint32_t(half), validPoints(list_[i]), uint16_t(s)};
         };
-        const auto use = [&](std::size_t i, std::span<const LitSum> sums) {
-            auto sum = sums.begin();
+        const auto use = [&](std::size_t i, const BatchShadows::Sums& sums) {
+            std::size_t item = 0;
             for (std::size_t s = 0; s < sourceCount(); ++s)
                 for (int half = firstOf(i); isOpen(i, s) && half < end; ++half)
-                    counts_[list_[i] * sourceCount() + s].add(*sum++);
+                    add(list_[i] * sourceCount() + s, sums, item++);
         };
         std::vector<uint32_t> texels(list_.size());
         for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = pass_.texels[list_[i]];
-        return BatchShadows(*pass_.device, pass_.map, sources_)
+        return BatchShadows(*pass_.device, pass_.map, sources_, !colors_.empty())
             .trace(texels, countOf, fill, use, progress, pass_.stage, pass_.rays);
     }
     /// traceFirst() has counted half-batch 0 of texels whose points are all valid.
@@ -281,8 +281,8 @@ private:
         }
     }
 
-    /// Adds a lane's sums to those of a texel and source.
-    void add(std::size_t place, const ShadowRays::Sums& sums, std::size_t lane)
+    /// Adds a lane's sums, or an item's, to those of a texel and source.
+    template<typename Sums> void add(std::size_t place, const Sums& sums, std::size_t lane)
     {
         counts_[place].add(sums.lit[lane]);
         if (!colors_.empty()) colors_[place] += sums.colors[lane];

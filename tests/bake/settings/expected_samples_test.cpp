@@ -80,10 +80,8 @@ TEST(ProcessorGathers, LightThroughColoredGlassS35)
 {
     Scene scene = floorScene();
     scene.materials[0].transmission = 1.0f;
-    scene.materials[0].baseColor = vec4(1.0f);
-    EXPECT_EQ(whyProcessorGathers(scene, {}), "");
     scene.materials[0].baseColor = vec4(1.0f, 0.2f, 0.2f, 1.0f);
-    EXPECT_NE(whyProcessorGathers(scene, {}), "");
+    EXPECT_EQ(whyProcessorGathers(scene, {}), "") << "a GPU does";
 }
 
 } // namespace
