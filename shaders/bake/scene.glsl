@@ -112,6 +112,15 @@ bool passesByChance(uint triangle, float coverage, vec3 origin, vec3 direction)
     return unitFloat(bits) >= coverage;
 }
 
+// Whether a ray passes a triangle of a slot, where the slot's barycentric weights say: by a hole, or by chance.
+bool passesTriangle(SceneData scene, GpuSlot slot, uint number, vec2 barycentric, vec3 origin, vec3 direction)
+{
+    if (slot.firstMasked == kNone) return false;
+    GpuMaskedTriangle triangle = scene.masked.at[slot.firstMasked + number];
+    float coverage = coverageAt(scene, triangle, slot.mirrored != 0u ? barycentric.yx : barycentric);
+    return coverage < 1.0 && passesByChance(slot.firstTriangle + triangle.triangle, coverage, origin, direction);
+}
+
 // A ray that is not traced.
 GpuRay noRay()
 {

@@ -46,7 +46,7 @@ inline void addPaintedPane(Scene& scene)
 }
 
 /// Above the court: a picture that alpha leaves open, a painted pane, a box of glass, and glass with a thickness. A
-/// second box is above the floor.
+/// second box is above the floor: in the floor, chance would decide for all seeds alike which points are inside it.
 inline Scene glassCourt()
 {
     Scene scene = court();

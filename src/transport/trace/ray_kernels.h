@@ -49,7 +49,8 @@ public:
     /// let through (Material::passed()) and of the volumes between.
     virtual Status transmittance(std::span<const Ray> rays, std::span<vec3> out) const = 0;
     /// Solids that a ray leaves on its way out of the scene, minus those that it enters; above 0, the origin is inside
-    /// one. All surfaces count, however near to one another: solids may share a face. 0 for a ray through very many.
+    /// one. All surfaces count, however near to one another: solids may share a face. Those that let a part of light
+    /// pass count by chance, as nearest() hits them. 0 for a ray through very many.
     virtual Status crossings(std::span<const Ray> rays, std::span<int> out) const = 0;
 
     /// Shadow casters whose bounds are within a distance of a point, some of them more than once, and perhaps others
