@@ -52,11 +52,6 @@ bool isWorthAGpu(const Scene& scene, const BakeSettings& settings)
     return expectedSamples(scene, settings) > ofAThread * double(threadCount());
 }
 
-bool hasGpu()
-{
-    const auto devices = bakeDevices();
-    return devices && std::ranges::any_of(*devices, [](const auto& d) { return d.refusal.empty(); });
-}
 #endif
 
 } // namespace
@@ -80,15 +75,9 @@ Result<IntegratorFactory> integratorsOn(const DeviceChoice& choice, [[maybe_unus
     const bool isAsked = choice.device.starts_with("gpu");
 #if HALFLIGHT_GPU
     if (!isAsked && (choice.device == "cpu" || !isWorthAGpu(scene, settings))) return embreeIntegrators();
-    const std::string why = whyProcessorGathers(scene, settings);
-    const auto noted = [&](IntegratorFactory integrators) {
-        if (!why.empty()) integrators.note = "--device: " + why;
-        return integrators;
-    };
-    if (!isAsked && !why.empty()) return hasGpu() ? noted(embreeIntegrators()) : embreeIntegrators();
     const bool isNamed = choice.device.starts_with(kNamed);
     auto made = opened(isNamed ? choice.device.substr(kNamed.size()) : std::string(), choice.memoryMegabytes);
-    if (made) return noted(gpuIntegrators(*made));
+    if (made) return gpuIntegrators(*made);
     if (isAsked) return made.error();
 #else
     if (isAsked)

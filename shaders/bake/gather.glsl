@@ -25,6 +25,9 @@ layout(buffer_reference, scalar) buffer EmitterShares { GpuEmitterShare at[]; };
 layout(buffer_reference, scalar) buffer HalvesList { GpuHalves at[]; };
 layout(buffer_reference, scalar) buffer Surfaces { GpuSurface at[]; };
 layout(buffer_reference, scalar) buffer Patches { GpuPatch at[]; };
+layout(buffer_reference, scalar) buffer ComponentLights { GpuComponentLight at[]; };
+layout(buffer_reference, scalar) buffer RayLights { GpuRayLight at[]; };
+layout(buffer_reference, scalar) buffer EmitterHits { GpuEmitterHit at[]; };
 layout(buffer_reference, scalar) buffer Guides { GpuSourceGuide at[]; };
 layout(buffer_reference, scalar) buffer Entries { GpuEntry at[]; };
 layout(buffer_reference, scalar) buffer Clusters { GpuCluster at[]; };
@@ -54,6 +57,7 @@ layout(buffer_reference, scalar) buffer Tables
     AliasBins bins;
     Members members;
     Vectors picture; // of the sky
+    ComponentLights components; // of patches and elements: by patch, then by component
     uvec2 paths;     // paths/tables.glsl
     GpuGatherConstants all;
 };
@@ -81,6 +85,13 @@ layout(buffer_reference, scalar) buffer Lists
     EmitterShares shares; // by block
     HalvesList emitted; // by block, of emitters and the sky
     Words counts;       // k…Count
+    Vectors gatheredBefore; // light by component, from here on: by texel, as GpuGatherRequest::gathered
+    RayLights rayLights; // by gather ray
+    RayLights sourceLights; // by source ray
+    EmitterHits emitterHits; // by gather ray
+    Vectors pathLights; // radiance, by path of a launch
+    HalvesList componentSums; // by block, of gather rays and secondary sources
+    HalvesList componentEmitted; // by block, of emitters and the sky
     uint blockCount;
     uint texelCount;    // and of requests
 };
@@ -93,8 +104,13 @@ layout(push_constant, scalar) uniform Push
 #endif
     Tables tables;
     Lists lists;
+#ifdef HALFLIGHT_OPEN_RANGE
+    uint first; // number of a launch's first path among all open rays
+    uint end;
+#endif
 #ifdef HALFLIGHT_TRACES
     uint whole; // paths are whole, and the lists those of paths/starts.glsl
+    uint first; // number of the launch's first path among all open rays
 #endif
 } push;
 

@@ -42,6 +42,7 @@ bool gatherLight(uint i, out GpuOpen open)
     GpuRay ray = push.lists.rays.at[i];
     GpuHit hit = push.lists.hits.at[i];
     vec3 radiance = vec3(0.0);
+    GpuRayLight light = GpuRayLight(kNone, 1.0);
     if (isinf(hit.distance)) {
         radiance = dimSky(ray.direction);
     } else {
@@ -58,13 +59,14 @@ bool gatherLight(uint i, out GpuOpen open)
         } else {
             GpuBlock b = push.lists.blocks.at[block];
             GpuGatherTexel texel = push.lists.texels.at[b.texel];
-            GpuPatch light = push.tables.patches.at[lit];
-            radiance = patchRadianceAlong(light.radiance, light.tilt, ray.direction) *
-                       sourceWeight(texel, pointOf(texel, b.number, stratum), ray, hit, patchId);
+            GpuPatch from = push.tables.patches.at[lit];
+            light = GpuRayLight(lit, sourceWeight(texel, pointOf(texel, b.number, stratum), ray, hit, patchId));
+            radiance = patchRadianceAlong(from.radiance, from.tilt, ray.direction) * light.weight;
         }
         open = openRay(block, stratum, ray, hit);
     }
     push.lists.gathered.at[i] = radiance * hit.tint * kShadingPi;
+    if (push.tables.all.components > 0u) push.lists.rayLights.at[i] = light;
     return isOpen;
 }
 

@@ -65,6 +65,7 @@ void main()
     if (i >= rayCount()) return;
     GpuRay ray = noRay();
     vec3 irradiance = vec3(0.0);
+    GpuRayLight kept = GpuRayLight(kNone, 0.0);
     if (inside) {
         GpuBlock b = push.lists.blocks.at[block];
         GpuGatherTexel texel = push.lists.texels.at[b.texel];
@@ -93,6 +94,7 @@ void main()
                                               source.triangle.normal, pdfArea, false, true);
                     if (radiance != vec3(0.0) && next.distance > 0.0) {
                         irradiance = radiance * next.factor;
+                        kept = GpuRayLight(lit, coverage * next.factor);
                         ray = rayTo(point.position, next);
                         atomicAdd(push.lists.counts.at[kRayCount], 1u);
                     }
@@ -102,4 +104,5 @@ void main()
     }
     push.lists.sourceRays.at[i] = ray;
     push.lists.sources.at[i] = irradiance;
+    if (push.tables.all.components > 0u) push.lists.sourceLights.at[i] = kept;
 }

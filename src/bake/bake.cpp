@@ -310,7 +310,6 @@ Result<BakeResult> bakeWith(Scene scene, const BakeSettings& settings, const Int
     const ThreadLimit threads(settings.threads);
     BakeResult result;
     BakeReport& report = result.report;
-    if (!integratorFactory.note.empty()) scene.warnings.push_back(integratorFactory.note);
     FileGroup images;
     Result<LightGrouping> grouping = beginGroups(settings.groups, settings.mode, scene, result.baked);
     if (!grouping) return grouping.error();

@@ -99,7 +99,8 @@ std::string BakeDevice::identity() const
              bake_transmittance_rgen, bake_validity_rgen, bake_tints_rgen_tinted, bake_transmittance_rahit_tinted,
              bake_transmittance_rgen_tinted, bake_paths_paths_rgen_tinted})
         hasher.bytes(shader.data(), shader.size_bytes());
-    for (const auto& shaders : {EmitterPipelines::shaders(), ShadowPipelines::shaders(), RadiosityPipelines::shaders()})
+    for (const auto& shaders : {EmitterPipelines::shaders(), ComponentPipelines::shaders(), ShadowPipelines::shaders(),
+                                RadiosityPipelines::shaders()})
         for (const std::span<const uint32_t> shader : shaders) hasher.bytes(shader.data(), shader.size_bytes());
     std::string identity = "gpu-" + name() + "-" + device_.driver() + "-" + hasher.hash().hex().substr(0, 8);
     for (char& c : identity)
@@ -134,6 +135,13 @@ const EmitterPipelines& BakeDevice::emitters()
     const std::lock_guard lock(laterMutex_);
     if (!emitters_) emitters_.emplace(device_);
     return *emitters_;
+}
+
+const ComponentPipelines& BakeDevice::components()
+{
+    const std::lock_guard lock(laterMutex_);
+    if (!components_) components_.emplace(device_);
+    return *components_;
 }
 
 const DenoisePipelines& BakeDevice::denoise()

@@ -2,6 +2,7 @@
 // The Vulkan device of a bake, and the pipelines that trace rays on it.
 
 #include "bake_gpu/denoise_pipelines.h"
+#include "bake_gpu/gather/component_pipelines.h"
 #include "bake_gpu/gather/emitter_pipelines.h"
 #include "bake_gpu/radiosity/radiosity_pipelines.h"
 #include "bake_gpu/shadows/shadow_pipelines.h"
@@ -52,6 +53,8 @@ public:
     const gpu::RayPipeline& paths(bool tinted);
     /// The same of the gather's emitter samples.
     const EmitterPipelines& emitters();
+    /// The same of its sums by component.
+    const ComponentPipelines& components();
     /// The denoiser's shaders, made when they are first asked for. Throws gpu::Failure.
     const DenoisePipelines& denoise();
     /// The same around shadow rays.
@@ -79,6 +82,7 @@ private:
     std::optional<gpu::RayPipeline> tintedTransmittance_;
     std::array<std::optional<gpu::RayPipeline>, 2> paths_; ///< the second one with tints
     std::optional<EmitterPipelines> emitters_;
+    std::optional<ComponentPipelines> components_;
     std::optional<DenoisePipelines> denoise_;
     std::optional<ShadowPipelines> shadows_;
     std::array<std::optional<RadiosityPipelines>, 2> radiosity_; ///< in the same way

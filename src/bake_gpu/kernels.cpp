@@ -134,7 +134,6 @@ Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTabl
 
 Result<std::unique_ptr<DevicePaths>> GpuKernels::preparePaths(const PathTracer& paths, int bounces) const
 {
-    if (paths.light().components() > 0) return std::unique_ptr<DevicePaths>();
     return made<DevicePaths>(
         [&] { return std::make_unique<GpuPaths>(*device_, gpuScene_, pathTables(paths), paths, bounces); });
 }

@@ -72,10 +72,12 @@ public:
         return estimate;
     }
 
-    /// The gathered light of some probes.
+    /// The gathered light of some probes, and of their components one after another.
     Status gatherOn(const DevicePaths& device, std::span<const vec3> positions, std::span<const uint32_t> which,
-                    std::span<ProbeEstimate> out, uint64_t& rays) const
+                    std::span<ProbeEstimate> out, Components components, uint64_t& rays) const
     {
+        const std::size_t count = components.size() / std::max<std::size_t>(which.size(), 1);
+        const float share = 1.0f / float(samples_);
         std::vector<DevicePaths::Point> points;
         std::vector<DevicePaths::Item> items;
         for (const uint32_t id : which) {
@@ -83,12 +85,18 @@ public:
             points.push_back({positions[id], vec3(0.0f), vec3(0.0f)});
         }
         std::vector<GatheredLight> light(which.size());
-        const auto take = [&](std::size_t item, const DevicePaths::Arrival& a, const DevicePaths::Emission& e) {
+        const auto take = [&](std::size_t item, const DevicePaths::Arrival& a, const DevicePaths::Emission& e,
+                              std::span<const vec3> ofComponents) {
             light[item].add({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, a.direction, a.radiance, a.back != 0);
             rays += a.rays;
+            const Components to = components.subspan(item * count, count);
+            addTo(to, a.emitterComponent, e.ofEmitter * share, e.toEmitter);
+            addTo(to, paths_.light().skyComponent(), e.ofSky * share, e.toSky);
+            for (std::size_t c = 0; c < count; ++c)
+                addTo(to, int(c), ofComponents[c] * (share / kUniformPdf), a.direction);
         };
         const uint32_t seed = settings_.seed ^ kProbeSeed;
-        if (Status s = device.traceAll(points, items, seed, uint32_t(samples_), take); !s) return s;
+        if (Status s = device.traceAll(points, items, seed, uint32_t(samples_), int(count), take); !s) return s;
         for (std::size_t i = 0; i < which.size(); ++i) light[i].end(out[i] = {});
         return {};
     }
@@ -121,8 +129,7 @@ private:
                 paths_.direct().emitterInSpace(position, kUniformPdf, sampler, rays);
             const DirectLight::EmitterInSpace sky = paths_.direct().skyInSpace(position, sampler, rays);
             for (const auto& light : {emitter, sky})
-                if (light.radianceOverPdf != vec3(0.0f))
-                    addTo(components, light.component, light.radianceOverPdf * share, light.direction);
+                addTo(components, light.component, light.radianceOverPdf * share, light.direction);
             lights.clear();
             const PathTracer::Incoming in = paths_.incoming({position}, direction, kUniformPdf, settings_.bounces,
                                                             sampler, rays, components.empty() ? nullptr : &lights);
@@ -135,7 +142,7 @@ private:
 
     static void addTo(Components components, int component, vec3 light, vec3 direction)
     {
-        if (components.empty()) return;
+        if (components.empty() || light == vec3(0.0f)) return;
         SphericalHarmonicsL2& sum = components[std::size_t(component)];
         for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += light * shading::shBasis(i, direction);
     }
@@ -226,10 +233,13 @@ private:
 
 Status traceProbesOn(const DevicePaths& device, const PathTracer& paths, const IntegrationSettings& settings,
                      std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
-                     std::span<ProbeEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
+                     std::span<ProbeEstimate> out, std::span<SphericalHarmonicsL2> components, const Progress& progress,
+                     std::atomic<uint64_t>& rays)
 {
+    const std::size_t ofProbe = components.empty() ? 0 : std::size_t(paths.light().components());
+    std::ranges::fill(components, SphericalHarmonicsL2{});
     const ProbeTracer tracer(paths, settings, samples > 0 ? samples : settings.probeSamples);
-    const std::size_t most = DevicePaths::itemsOfCall(tracer.samples());
+    const std::size_t most = DevicePaths::itemsOfCall(tracer.samples(), int(ofProbe));
     const std::size_t calls = (which.size() + most - 1) / most;
     parallelFor(calls, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t call = begin; call < end; ++call) {
@@ -237,8 +247,8 @@ Status traceProbesOn(const DevicePaths& device, const PathTracer& paths, const I
             const std::size_t first = call * most;
             const std::size_t count = std::min(most, which.size() - first);
             uint64_t traced = 0;
-            if (Status s =
-                    tracer.gatherOn(device, positions, which.subspan(first, count), out.subspan(first, count), traced);
+            if (Status s = tracer.gatherOn(device, positions, which.subspan(first, count), out.subspan(first, count),
+                                           components.subspan(first * ofProbe, count * ofProbe), traced);
                 !s)
                 paths.surfaces().keep(s.error());
             rays += traced;
@@ -246,7 +256,8 @@ Status traceProbesOn(const DevicePaths& device, const PathTracer& paths, const I
     });
     const bool finished = parallelFor(which.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
         uint64_t traced = 0;
-        for (std::size_t i = begin; i < end; ++i) tracer.addLights(which[i], positions[which[i]], out[i], {}, traced);
+        for (std::size_t i = begin; i < end; ++i)
+            tracer.addLights(which[i], positions[which[i]], out[i], components.subspan(i * ofProbe, ofProbe), traced);
         rays += traced;
     });
     return paths.surfaces().outcome(finished);

@@ -17,9 +17,10 @@ Status traceProbes(const PathTracer& paths, const IntegrationSettings& settings,
                    std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out,
                    std::span<SphericalHarmonicsL2> components, const Progress& progress, std::atomic<uint64_t>& rays);
 
-/// The same of light as one, with its paths on a device: the same samples.
+/// The same with its paths on a device: the same samples.
 Status traceProbesOn(const DevicePaths& device, const PathTracer& paths, const IntegrationSettings& settings,
                      std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
-                     std::span<ProbeEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
+                     std::span<ProbeEstimate> out, std::span<SphericalHarmonicsL2> components, const Progress& progress,
+                     std::atomic<uint64_t>& rays);
 
 } // namespace halflight

@@ -73,17 +73,18 @@ public:
     Status probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                   std::span<ProbeEstimate> out, const Progress& progress) override
     {
-        const auto device = devicePaths();
-        if (!device) return device.error();
-        if (*device != nullptr)
-            return traceProbesOn(**device, paths_, settings_, positions, which, samples, out, progress, rays_);
-        return traceProbes(paths_, settings_, positions, which, samples, out, {}, progress, rays_);
+        return probesByComponent(positions, which, samples, out, {}, progress);
     }
 
     Status probesByComponent(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                              std::span<ProbeEstimate> out, std::span<SphericalHarmonicsL2> components,
                              const Progress& progress) override
     {
+        const auto device = devicePaths();
+        if (!device) return device.error();
+        if (*device != nullptr)
+            return traceProbesOn(**device, paths_, settings_, positions, which, samples, out, components, progress,
+                                 rays_);
         return traceProbes(paths_, settings_, positions, which, samples, out, components, progress, rays_);
     }
 
@@ -218,7 +219,7 @@ private:
         const auto device = all_.devicePaths();
         if (!device) return device.error();
         if (*device != nullptr)
-            return tracePathLightmapOn(**device, all_.paths_, all_.settings_, map_, request.texels, samples, out.texels,
+            return tracePathLightmapOn(**device, all_.paths_, all_.settings_, map_, request.texels, samples, out,
                                        progress, all_.rays_);
         return tracePathLightmap(all_.paths_, all_.settings_, map_, request.texels, samples, out, progress, all_.rays_);
     }

@@ -107,9 +107,6 @@ BakeQuality resolveQuality(const BakeSettings& settings);
 /// About how many samples a lightmap will take, before anything of it is known: the lightmapped area at its density,
 /// times the quality's samples. Where a page limits the density, four fifths of the page are texels.
 double expectedSamples(const Scene& scene, const BakeSettings& settings);
-/// Why a GPU gathers none of the lightmap's light in a bake, so that it gains little: a sentence that names the cure
-/// where there is one. Empty where it does.
-std::string whyProcessorGathers(const Scene& scene, const BakeSettings& settings);
 
 struct LightReport {
     std::string name;

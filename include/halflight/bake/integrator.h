@@ -302,7 +302,6 @@ struct IntegratorFactory {
     DeviceDenoiser denoise; ///< empty: the processor denoises
     /// The most of the device's memory that was taken at one time, bytes. Empty: there is no device.
     std::function<uint64_t()> peakDeviceBytes;
-    std::string note; ///< what to say of the choice of a device in the report's warnings, a sentence; empty = nothing
 };
 
 struct BakeSettings;

@@ -151,6 +151,14 @@ HL_FN void considerLight(HL_INOUT(LightReservoir) reservoir, uint number, vec3 c
     }
 }
 
+// Probability with which one of several sets of lights is chosen, of which `total` is the reservoir's and `all` the sum
+// of those of the `reaching` sets whose light reaches the place: half in proportion to their light, half evenly, so
+// that a dim one has samples too.
+HL_FN float probabilityOfSet(float total, float all, int reaching)
+{
+    return 0.5f * total / all + 0.5f / float(reaching);
+}
+
 // Of the chosen light, over the probability with which it was chosen.
 HL_FN vec3 contributionOfChosen(HL_IN(LightReservoir) reservoir)
 {

@@ -14,12 +14,13 @@ PathEmitterSample skyFrom(vec3 position, vec2 u)
     result.radiance = sky.radiance;
     result.doubleSided = false;
     result.rayVisible = false;
+    result.component = push.tables.all.skyComponents[0];
     result.pdfArea = sky.pdf / (kSkyMeters * kSkyMeters);
     return result;
 }
 
 // A sample of an emitter or the sky: NextEvent::sampleEmitters(). False where the block takes none in this stratum.
-bool sampleEmission(uint block, int stratum, out GpuRay ray, out vec3 irradiance)
+bool sampleEmission(uint block, int stratum, out GpuRay ray, out vec3 irradiance, out uint component)
 {
     GpuBlock b = push.lists.blocks.at[block];
     GpuGatherTexel texel = push.lists.texels.at[b.texel];
@@ -46,6 +47,7 @@ bool sampleEmission(uint block, int stratum, out GpuRay ray, out vec3 irradiance
     if (e.radiance == vec3(0.0) || !(next.distance > 0.0)) return false;
     ray = rayTo(point.position, next);
     irradiance = e.radiance * (next.factor * weight);
+    component = e.component;
     return true;
 }
 
@@ -60,7 +62,8 @@ void main()
     if (i >= rayCount()) return;
     GpuRay ray;
     vec3 irradiance;
-    if (inside && sampleEmission(block, stratum, ray, irradiance)) {
+    uint component = kNone;
+    if (inside && sampleEmission(block, stratum, ray, irradiance, component)) {
         atomicAdd(push.lists.counts.at[kRayCount], 1u);
     } else {
         ray = noRay();
@@ -68,4 +71,5 @@ void main()
     }
     push.lists.sourceRays.at[i] = ray;
     push.lists.sources.at[i] = irradiance;
+    if (push.tables.all.components > 0u) push.lists.sourceLights.at[i] = GpuRayLight(component, 1.0);
 }

@@ -13,6 +13,7 @@ struct PathEmitterSample {
     vec3 radiance;
     bool doubleSided;
     bool rayVisible;
+    uint component;
     float pdfArea; // 0: no sample
 };
 
@@ -22,6 +23,7 @@ PathEmitterSample emitterAt(ChosenLight chosen, float v)
     PathEmitterSample result;
     result.pdfArea = 0.0;
     result.radiance = vec3(0.0);
+    result.component = 0u;
     if (!(chosen.probability > 0.0)) return result;
     GpuEmitter e = paths().emitters.at[chosen.item];
     vec2 on = sampleTriangle(vec2(chosen.u, v));
@@ -36,6 +38,7 @@ PathEmitterSample emitterAt(ChosenLight chosen, float v)
     }
     result.doubleSided = (e.flags & kDoubleSided) != 0u;
     result.rayVisible = (e.flags & kRayVisible) != 0u;
+    result.component = e.flags >> kComponentShift;
     result.pdfArea = chosen.probability * e.inverseArea;
     return result;
 }

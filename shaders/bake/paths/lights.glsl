@@ -3,7 +3,7 @@
 #ifndef HALFLIGHT_BAKE_PATH_LIGHTS_GLSL
 #define HALFLIGHT_BAKE_PATH_LIGHTS_GLSL
 
-#include "emitters.glsl"
+#include "components.glsl"
 #include "rays.glsl"
 
 #include "bake_gpu/paths/start_layout.h"
@@ -57,6 +57,7 @@ struct PathLightSample {
     float tMax;
     float shadowStrength;
     vec3 fromSurface; // of lamps: direction from the surface itself
+    uint component;
 };
 
 PathLightSample noLight()
@@ -68,6 +69,7 @@ PathLightSample noLight()
     result.tMax = -1.0;
     result.shadowStrength = 1.0;
     result.fromSurface = vec3(0.0);
+    result.component = 0u;
     return result;
 }
 
@@ -88,26 +90,77 @@ vec3 shadowOriginOf(PathSurface s)
     return isOccluded(onFlat, (origin - onFlat) / lift, lift) ? onFlat : origin;
 }
 
-// One light's, chosen as SceneLight::chooseLight() does.
-PathLightSample sampleSources(PathSurface s, PathLobe lobe, inout PathSampler numbers)
+// A sample among the lights: SceneLight::LightChoice.
+struct PathLightChoice {
+    LightReservoir of;
+    vec2 disc;
+    float probability; // of the set of lights
+    uint component;
+};
+
+// SceneLight::chooseFrom().
+LightReservoir reservoirOf(uint chooser, PathSurface s, PathLobe lobe, float u, vec2 disc, inout PathSampler numbers)
 {
-    PathLightSample result = noLight();
-    GpuPathConstants all = paths().all;
-    if (all.anyLights == 0u) return result;
-    LightReservoir reservoir = lightReservoir(nextNumber(numbers));
-    vec2 disc = sampleDisc(nextPair(numbers));
+    LightChooser from = paths().choosers.at[chooser];
+    LightReservoir reservoir = lightReservoir(u);
     ChosenLight chosen = chosenLight(kNone, 0.0, 0.0);
-    if (all.lightNodes > 0u)
-        chosen = sampleLightsBelow(paths().lightTree, 0u, s.position, s.normal, nextNumber(numbers));
-    for (uint i = 0u; i <= all.alwaysCount; ++i) {
-        bool ofTree = i == all.alwaysCount;
+    if (from.nodes > 0u) chosen = sampleLightsBelow(from.tree, 0u, s.position, s.normal, nextNumber(numbers));
+    for (uint i = 0u; i <= from.alwaysCount; ++i) {
+        bool ofTree = i == from.alwaysCount;
         if (ofTree && !(chosen.probability > 0.0)) break;
-        uint number = ofTree ? paths().lightOfItem.at[chosen.item] : paths().always.at[i];
+        uint number = ofTree ? from.lightOfItem.at[chosen.item] : from.always.at[i];
         considerLight(reservoir, number, contributionOf(paths().lights.at[number], s, lobe, disc,
                                                         ofTree ? chosen.probability : 1.0));
     }
+    return reservoir;
+}
+
+// SceneLight::chooseLight() among the sets of lights from `first` on. Several sets are gone through twice, with the
+// same numbers: what they have in all decides which of them is chosen.
+PathLightChoice chooseLight(uint first, uint count, PathSurface s, PathLobe lobe, inout PathSampler numbers)
+{
+    PathLightChoice choice;
+    float within = nextNumber(numbers);
+    choice.disc = sampleDisc(nextPair(numbers));
+    choice.of = lightReservoir(0.0);
+    choice.probability = 1.0;
+    choice.component = 0u;
+    PathSampler start = numbers;
+    float all = 0.0;
+    int reaching = 0;
+    float u = 0.0;
+    for (int turn = count > 1u ? 0 : 1; turn < 2; ++turn) {
+        PathSampler walk = start;
+        for (uint c = first; c < first + count; ++c) {
+            LightReservoir of = reservoirOf(c, s, lobe, within, choice.disc, walk);
+            if (turn == 0) all += of.total;
+            if (turn == 0 && of.total > 0.0) ++reaching;
+            if (turn == 0 || (count > 1u && !(of.total > 0.0))) continue;
+            choice.of = of;
+            choice.component = paths().choosers.at[c].component;
+            if (count == 1u) break;
+            choice.probability = probabilityOfSet(of.total, all, reaching);
+            if (u < choice.probability) break;
+            u -= choice.probability;
+        }
+        if (turn == 1 && count > 1u) break;
+        numbers = walk;
+        if (turn == 0) u = nextNumber(numbers);
+    }
+    return choice;
+}
+
+// One light's of the sets of lights from `first` on.
+PathLightSample sampleSources(uint first, uint count, PathSurface s, PathLobe lobe, inout PathSampler numbers)
+{
+    PathLightSample result = noLight();
+    if (paths().all.anyLights == 0u) return result;
+    PathLightChoice choice = chooseLight(first, count, s, lobe, numbers);
+    LightReservoir reservoir = choice.of;
     if (reservoir.chosen == kNone) return result;
-    result.light = contributionOfChosen(reservoir);
+    vec2 disc = choice.disc;
+    result.component = choice.component;
+    result.light = contributionOfChosen(reservoir) / choice.probability;
     LightSource light = paths().lights.at[reservoir.chosen];
     result.fromSurface = sampleLightRay(light, s.position, disc).direction;
     if (light.castShadows == 0u || s.part.receivesShadows == 0u) return result;
@@ -131,6 +184,7 @@ bool isInSpace(PathSurface s)
 PathLightSample sampleInSpace(PathEmitterSample e, vec3 origin)
 {
     PathLightSample result = noLight();
+    result.component = e.component;
     SeenEmitter seen = emitterSeenFrom(origin, e.position, e.normal, e.pdfArea, e.doubleSided);
     if (!(seen.pdf > 0.0)) return result;
     result.light = e.radiance * ((e.rayVisible ? powerHeuristic(seen.pdf, kUniformPdf) : 1.0) / seen.pdf);
@@ -153,6 +207,7 @@ PathLightSample sampleEmitters(PathSurface s, PathLobe lobe, float otherIllumina
     vec2 u = nextPair(numbers);
     PathEmitterSample e = emitterAt(sampleLightsBelow(paths().emitterTree, 0u, origin, s.normal, u.x), u.y);
     if (isInSpace(s)) return sampleInSpace(e, origin);
+    result.component = e.component;
     NextEventContribution next = nextEventContribution(origin, s.normal, s.geometricNormal, e.position, e.normal,
                                                        e.pdfArea, e.doubleSided, e.rayVisible);
     if (!(next.distance > 0.0)) return result;
@@ -185,13 +240,14 @@ PathLightSample sampleBrightSky(PathSurface s, PathLobe lobe, float otherIllumin
     result.origin = rayOriginOf(s);
     result.direction = sky.direction;
     result.tMax = kLongestRay;
+    result.component = push.tables.all.skyComponents[0];
     return result;
 }
 
 // A sample of a kind: lamps 0, emitters 1, the sky 2. `other`: illuminance of what was sampled before.
 PathLightSample sampleKind(int kind, PathSurface s, PathLobe lobe, float other, inout PathSampler numbers)
 {
-    if (kind == 0) return sampleSources(s, lobe, numbers);
+    if (kind == 0) return sampleSources(0u, paths().all.choosers, s, lobe, numbers);
     if (kind == 1) return sampleEmitters(s, lobe, other, numbers);
     return sampleBrightSky(s, lobe, other, numbers);
 }
@@ -207,12 +263,15 @@ vec3 shadowed(PathLightSample next)
 // Where a path starts it takes samples of emitters and the sky alone, without roulette. What they bring is kept apart.
 bool atStart = false;
 GpuEmission emission;
+uint emitterAtStart = 0u; // its component
 
-void keepEmission(int kind, vec3 light, vec3 direction)
+void keepEmission(int kind, vec3 light, PathLightSample next)
 {
+    vec3 direction = next.direction;
     if (kind == 1) {
         emission.ofEmitter = light;
         emission.toEmitter = direction;
+        emitterAtStart = next.component;
     } else {
         emission.ofSky = light;
         emission.toSky = direction;
@@ -220,17 +279,21 @@ void keepEmission(int kind, vec3 light, vec3 direction)
 }
 
 // One sample of each kind with its shadow: irradiance, or the radiance that the lobe reflects. All in one loop, so that
-// the code of a shadow ray is there once.
-vec3 sampledLight(PathSurface s, PathLobe lobe, inout PathSampler numbers)
+// the code of a shadow ray is there once. `throughput`: of the path times what the surface reflects of that light.
+// Components have no roulette: beside others' light, that of a dim one would be noise.
+vec3 sampledLight(PathSurface s, PathLobe lobe, vec3 throughput, inout PathSampler numbers)
 {
     vec3 sum = vec3(0.0);
     for (int kind = atStart ? 1 : 0; kind < 3; ++kind) {
-        float other = atStart ? 0.0 : luminanceOf(sum);
+        float other = atStart || components > 0u ? 0.0 : luminanceOf(sum);
         int which = lobe.on && kind > 0 ? 3 - kind : kind; // lobes have the sky first
         PathLightSample next = sampleKind(which, s, lobe, other, numbers);
         vec3 light = shadowed(next);
         sum += light;
-        if (atStart) keepEmission(kind, light, next.direction);
+        if (atStart)
+            keepEmission(kind, light, next);
+        else
+            noteLight(next.component, throughput * light);
     }
     return sum;
 }

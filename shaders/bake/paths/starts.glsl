@@ -15,6 +15,7 @@ layout(buffer_reference, scalar) buffer PathStarts
     PathItems items;
     Arrivals arrivals; // by item, then by path
     Emissions emissions;
+    Vectors components; // radiance, by path as arrivals, then by component
     GpuPathCall all;
 };
 

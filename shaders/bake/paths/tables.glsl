@@ -19,6 +19,17 @@ layout(buffer_reference, scalar) buffer LightSources { LightSource at[]; };
 layout(buffer_reference, scalar) buffer LightTree { LightNode at[]; };
 layout(buffer_reference, scalar) buffer Colors { vec4 at[]; };
 
+// SceneLight::Chooser: the lights of a component.
+struct LightChooser {
+    Words always; // lights that are considered at each point
+    LightTree tree; // the others
+    Words lightOfItem;
+    uint alwaysCount;
+    uint nodes; // of the tree
+    uint component;
+};
+layout(buffer_reference, scalar) buffer LightChoosers { LightChooser at[]; };
+
 layout(buffer_reference, scalar) buffer PathTables
 {
     PathFaces faces;         // by hit index
@@ -31,10 +42,9 @@ layout(buffer_reference, scalar) buffer PathTables
     Words texels;            // of all pictures, four bytes each
     Floats linear;           // by byte in sRGB
     Vectors levels[kPathLevels]; // of the radiance cache, by patch
+    Vectors componentLevels[kPathLevels]; // by patch, then by component
     LightSources lights;
-    Words always;            // lights that are considered at each point
-    LightTree lightTree;     // the others
-    Words lightOfItem;
+    LightChoosers choosers;
     Emitters emitters;
     LightTree emitterTree;
     Words leafOfEmitter;

@@ -118,14 +118,4 @@ BakeQuality qualityOf(const BakeSettings& settings, const Scene& scene)
     return q;
 }
 
-std::string whyProcessorGathers(const Scene& scene, const BakeSettings& settings)
-{
-    const auto lightHas = [](const Light& light) { return !light.group.empty() || !light.directions.empty(); };
-    const bool named = std::ranges::any_of(scene.lights, lightHas) || !scene.sky.group.empty() || scene.sky.changes ||
-                       std::ranges::any_of(scene.materials, [](const Material& m) { return !m.group.empty(); });
-    if (settings.groups == GroupChoice::Each || (settings.groups == GroupChoice::Authored && named))
-        return "the processor gathers light by light group; --groups off bakes the sum on the GPU";
-    return {};
-}
-
 } // namespace halflight

@@ -1,5 +1,6 @@
 #include "bake_gpu/gather/gather.h"
 
+#include "bake_gpu/gather/component_lists.h"
 #include "bake_gpu/gather/gather_layout.h"
 #include "transport/lightmap/next_event.h"
 
@@ -21,16 +22,15 @@ static_assert(sizeof(PatchLayout::Surface) == sizeof(GpuSurface) && sizeof(Patch
 static_assert(sizeof(PatchRadiance) == sizeof(GpuPatch) && sizeof(Guide) == sizeof(GpuSourceGuide));
 static_assert(sizeof(Guides::Entry) == sizeof(GpuEntry) && sizeof(LightClusters::Cluster) == sizeof(GpuCluster));
 static_assert(sizeof(LightClusters::SourceTriangle) == sizeof(GpuSourceTriangle));
+static_assert(sizeof(ComponentRadiance) == sizeof(GpuComponentLight));
 static_assert(sizeof(AliasBin) == sizeof(GpuAliasBin) && sizeof(LightClusters::Member) == sizeof(GpuMember));
 
 /// Lists in shaders/bake/gather.glsl.
 struct Lists {
     VkDeviceAddress mapTexels, fragments, requests, texels, points, blocks, rays, hits, gathered, sourceRays, sources,
         passed, sums, open, openBefore, cuts, cutTotals, shares, emitted, counts;
+    VkDeviceAddress gatheredBefore, rayLights, sourceLights, emitterHits, pathLights, componentSums, componentEmitted;
     uint32_t blockCount, texelCount;
-};
-struct Push {
-    VkDeviceAddress tables, lists;
 };
 
 constexpr std::size_t kMostRays = DeviceGather::kMostBlocks * kPatternBlock;
@@ -56,7 +56,8 @@ struct GpuGather::Workspace {
           sums(device, kMostBlocks * sizeof(Sums), gpu::kAddressed, gpu::MemoryUse::Readback),
           open(device, kMostRays * sizeof(GpuOpen), gpu::kAddressed, gpu::MemoryUse::Device),
           openBefore(device, kMostRays / kGroupSize * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback),
-          counts(device, kCounters * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback)
+          counts(device, kCounters * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback),
+          components(device, tables.paths.light())
     {
         const SceneLight& light = tables.paths.light();
         if (!light.samplesEmission()) return;
@@ -73,6 +74,7 @@ struct GpuGather::Workspace {
     TexelLists map;
     gpu::Buffer requests, texels, points, blocks, lists, rays, hits, gathered, sourceRays, sources, passed, sums, open,
         openBefore, counts;
+    ComponentLists components;
     gpu::Buffer cuts, cutTotals, shares, emitted; ///< empty where they are not needed
 };
 
@@ -82,6 +84,8 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables
                      const GatherTables& tables)
     : device_(device), scene_(scene), paths_(device.paths(scene.tinted())),
       emitters_(tables.paths.light().samplesEmission() ? &device.emitters() : nullptr),
+      components_(tables.paths.light().components() > 0 ? &device.components() : nullptr),
+      componentCount_(std::size_t(tables.paths.light().components())),
       anyEmitters_(!tables.paths.light().emitters().empty())
 {
     gpu::Device& on = device.device();
@@ -99,9 +103,11 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables
     t.surfaces = keep(layout.surfaces);
     t.elements = keep(layout.elements);
     t.patches = keep(tables.cache.patches());
+    t.components = keep(tables.cache.components().patches);
     t.guideOfPatch = keep(tables.guides.guideOfPatch());
     std::vector<uint32_t> sources;
-    for (const Guide& guide : tables.guides.guides()) sources.push_back(uint32_t(sourceSamplesOf(guide, false)));
+    for (const Guide& guide : tables.guides.guides())
+        sources.push_back(uint32_t(sourceSamplesOf(guide, componentCount_ > 0)));
     anySources_ = std::any_of(sources.begin(), sources.end(), [](uint32_t samples) { return samples > 0; });
     t.sourcesOfGuide = keep(sources);
     t.guides = keep(tables.guides.guides());
@@ -129,47 +135,77 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables
     workspace_ = std::make_unique<Workspace>(on, tables, scene.tinted());
 }
 
-Status GpuGather::gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,
-                         std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const
+Status GpuGather::gather(const TexelMap& map, const Batch& batch, const Light& out, uint64_t& rays) const
 {
-    if (blocks.empty()) return {};
+    const std::size_t texels = batch.texels.size();
+    const std::size_t blocks = batch.blocks.size();
+    if (blocks == 0) return {};
     const TexelLists::Copy mapTexels =
-        workspace_->map.copyOf(map, texels.size(), [&](std::size_t i) { return texels[i].texel; });
+        workspace_->map.copyOf(map, texels, [&](std::size_t i) { return batch.texels[i].texel; });
     const std::lock_guard turn(mutex_);
     const Workspace& w = *workspace_;
     try {
-        setLists(mapTexels, texels, blocks);
-        traceRays(texels.size(), blocks.size());
-        finishRays(texels.size(), blocks.size(), placesOfOpenRays(blocks.size()));
+        setLists(mapTexels, batch);
+        traceRays(texels, blocks);
+        finishRays(texels, blocks, placesOfOpenRays(blocks));
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }
-    std::memcpy(gathered.data(), w.sums.mapped(), gathered.size_bytes());
-    if (!emitted.empty()) std::memcpy(emitted.data(), w.emitted.mapped(), emitted.size_bytes());
+    const auto read = [](const auto& list, const gpu::Buffer& from) {
+        if (!list.empty()) std::memcpy(list.data(), from.mapped(), list.size_bytes());
+    };
+    read(out.gathered, w.sums);
+    read(out.emitted, w.emitted);
+    read(out.gatheredOf, w.components.sumsRead);
+    read(out.emittedOf, w.components.emittedRead);
     uint32_t others = 0;
     std::memcpy(&others, w.counts.mapped() + kRayCount * sizeof(others), sizeof(others));
-    rays += blocks.size() * kPatternBlock + others;
+    rays += blocks * kPatternBlock + others;
     return {};
 }
 
 /// Copies a call's lists to the workspace.
-void GpuGather::setLists(const TexelLists::Copy& mapTexels, std::span<const Texel> texels,
-                         std::span<const Block> blocks) const
+void GpuGather::setLists(const TexelLists::Copy& mapTexels, const Batch& batch) const
 {
     Workspace& w = *workspace_;
+    const ComponentLists& c = w.components;
     const auto write = [](const gpu::Buffer& to, const auto& list) {
         std::memcpy(to.mapped(), list.data(), list.size_bytes());
     };
     w.map.set(mapTexels);
-    write(w.requests, texels);
-    write(w.blocks, blocks);
+    write(w.requests, batch.texels);
+    write(w.blocks, batch.blocks);
+    if (componentCount_ > 0) write(c.before, batch.ofComponents);
     std::memset(w.counts.mapped(), 0, w.counts.size());
-    const Lists lists{w.map.texels(),          w.map.fragments(),      w.requests.address(),   w.texels.address(),
-                      w.points.address(),      w.blocks.address(),     w.rays.address(),       w.hits.address(),
-                      w.gathered.address(),    w.sourceRays.address(), w.sources.address(),    w.passed.address(),
-                      w.sums.address(),        w.open.address(),       w.openBefore.address(), w.cuts.address(),
-                      w.cutTotals.address(),   w.shares.address(),     w.emitted.address(),    w.counts.address(),
-                      uint32_t(blocks.size()), uint32_t(texels.size())};
+    const Lists lists{w.map.texels(),
+                      w.map.fragments(),
+                      w.requests.address(),
+                      w.texels.address(),
+                      w.points.address(),
+                      w.blocks.address(),
+                      w.rays.address(),
+                      w.hits.address(),
+                      w.gathered.address(),
+                      w.sourceRays.address(),
+                      w.sources.address(),
+                      w.passed.address(),
+                      w.sums.address(),
+                      w.open.address(),
+                      w.openBefore.address(),
+                      w.cuts.address(),
+                      w.cutTotals.address(),
+                      w.shares.address(),
+                      w.emitted.address(),
+                      w.counts.address(),
+                      c.before.address(),
+                      c.rayLights.address(),
+                      c.sourceLights.address(),
+                      c.emitterHits.address(),
+                      c.pathLights.address(),
+                      c.sums.address(),
+                      c.emitted.address(),
+                      uint32_t(batch.blocks.size()),
+                      uint32_t(batch.texels.size())};
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
 }
 
@@ -190,7 +226,7 @@ uint32_t GpuGather::placesOfOpenRays(std::size_t blocks) const
 void GpuGather::traceRays(std::size_t texels, std::size_t blocks) const
 {
     const Workspace& w = *workspace_;
-    const Push push{tables_.address(), w.lists.address()};
+    const GatherPush push{tables_.address(), w.lists.address()};
     const std::span<const std::byte> bytes = gpu::bytesOf(push);
     const uint32_t count = raysOfChunks(uint32_t(blocks), kPatternBlock);
     device_.device().execute([&](VkCommandBuffer commands) {
@@ -210,17 +246,18 @@ void GpuGather::traceRays(std::size_t texels, std::size_t blocks) const
 void GpuGather::finishRays(std::size_t texels, std::size_t blocks, uint32_t open) const
 {
     const Workspace& w = *workspace_;
-    const Push push{tables_.address(), w.lists.address()};
+    const GatherPush push{tables_.address(), w.lists.address()};
     const std::span<const std::byte> bytes = gpu::bytesOf(push);
-    const TablesPush pathPush{scene_.address(), tables_.address(), w.lists.address()};
     device_.device().execute([&](VkCommandBuffer commands) {
-        paths_.run(commands, gpu::bytesOf(pathPush), open);
+        tracePaths(commands, blocks, open);
         if (anyEmitters_) {
             emitters_->cuts.run(commands, bytes, texels, kGroupSize);
             emitters_->hits.run(commands, bytes, raysOfChunks(uint32_t(blocks), kPatternBlock), kGroupSize);
         }
         device_.gatherSums().run(commands, bytes, blocks, kGroupSize);
+        if (components_ != nullptr) components_->gathered.run(commands, bytes, blocks * componentCount_, kGroupSize);
         if (emitters_ != nullptr) sampleEmitters(commands, texels, blocks);
+        if (components_ != nullptr) copyComponents(commands, blocks);
         gpu::fullBarrier(device_.device(), commands);
     });
 }
@@ -231,17 +268,42 @@ TracePush GpuGather::sourcePush() const
     return {scene_.address(), workspace_->sourceRays.address(), workspace_->passed.address(), 0, scene_.tinted()};
 }
 
+/// Traces the paths of `open` rays. Of components their light is added up launch by launch.
+void GpuGather::tracePaths(VkCommandBuffer commands, std::size_t blocks, uint32_t open) const
+{
+    const Workspace& w = *workspace_;
+    const auto most = uint32_t(w.components.mostPaths);
+    for (uint32_t first = 0; first == 0 || first < open; first += most) {
+        const uint32_t count = std::min(open - first, most);
+        const TablesPush push{scene_.address(), tables_.address(), w.lists.address(), 0, first};
+        paths_.run(commands, gpu::bytesOf(push), count);
+        if (components_ == nullptr) continue;
+        const OpenRangePush range{tables_.address(), w.lists.address(), first, first + count};
+        components_->paths.run(commands, gpu::bytesOf(range), blocks * componentCount_, kGroupSize);
+    }
+}
+
 /// How many samples a block takes follows from the light that its texel has gathered.
 void GpuGather::sampleEmitters(VkCommandBuffer commands, std::size_t texels, std::size_t blocks) const
 {
     const Workspace& w = *workspace_;
-    const Push push{tables_.address(), w.lists.address()};
+    const GatherPush push{tables_.address(), w.lists.address()};
     const std::span<const std::byte> bytes = gpu::bytesOf(push);
     const uint32_t count = raysOfChunks(uint32_t(blocks), kPatternBlock);
     emitters_->shares.run(commands, bytes, texels, kGroupSize);
     emitters_->rays.run(commands, bytes, count, kGroupSize);
     device_.transmittance(commands, sourcePush(), count);
     emitters_->sums.run(commands, bytes, blocks, kGroupSize);
+    if (components_ != nullptr) components_->emitted.run(commands, bytes, blocks * componentCount_, kGroupSize);
+}
+
+/// What the processor reads of components.
+void GpuGather::copyComponents(VkCommandBuffer commands, std::size_t blocks) const
+{
+    const ComponentLists& c = workspace_->components;
+    const std::size_t bytes = blocks * componentCount_ * sizeof(Halves);
+    gpu::copyBytes(device_.device(), commands, {c.sums}, {c.sumsRead}, bytes);
+    if (emitters_ != nullptr) gpu::copyBytes(device_.device(), commands, {c.emitted}, {c.emittedRead}, bytes);
 }
 
 } // namespace halflight

@@ -15,23 +15,25 @@ public:
     GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const GatherTables& tables);
     ~GpuGather() override;
 
-    Status gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,
-                  std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const override;
+    Status gather(const TexelMap& map, const Batch& batch, const Light& out, uint64_t& rays) const override;
 
 private:
     struct Workspace;
-    void setLists(const TexelLists::Copy& mapTexels, std::span<const Texel> texels,
-                  std::span<const Block> blocks) const;
+    void setLists(const TexelLists::Copy& mapTexels, const Batch& batch) const;
     uint32_t placesOfOpenRays(std::size_t blocks) const;
     void traceRays(std::size_t texels, std::size_t blocks) const;
     void finishRays(std::size_t texels, std::size_t blocks, uint32_t open) const;
     [[nodiscard]] TracePush sourcePush() const;
+    void tracePaths(VkCommandBuffer commands, std::size_t blocks, uint32_t open) const;
+    void copyComponents(VkCommandBuffer commands, std::size_t blocks) const;
     void sampleEmitters(VkCommandBuffer commands, std::size_t texels, std::size_t blocks) const;
 
     BakeDevice& device_;
     const GpuScene& scene_;
     const gpu::RayPipeline& paths_;
-    const EmitterPipelines* emitters_; ///< null: the scene has neither emitters nor a bright part of the sky
+    const EmitterPipelines* emitters_;     ///< null: the scene has neither emitters nor a bright part of the sky
+    const ComponentPipelines* components_; ///< null: light is estimated as one
+    std::size_t componentCount_;
     bool anyEmitters_;
     bool anySources_ = false;          ///< some guide samples secondary sources
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to

@@ -44,6 +44,18 @@ struct GpuSums {
     GpuHalf halves[2];
     float inverseSquares;
 };
+// Light by component (spec S33). What a gather ray, or a sample of a source, has of the light of its patch or path.
+struct GpuRayLight {
+    uint lit;     // patch or element; kNone; kOpenRay and the number of its path; of a sample of emission the component
+    float weight; // of the radiance
+};
+HL_CONST uint kOpenRay = 0x80000000u;
+// What a gather ray brings of the emitter that it hits.
+struct GpuEmitterHit {
+    uint component;
+    vec3 irradiance; // zero: it hits none
+};
+
 // A ray that goes on as a path.
 struct GpuOpen {
     uint block;
@@ -82,6 +94,11 @@ HL_CONST uint kEmissive = 0x40000000u;
 struct GpuPatch {
     vec3 radiance;
     float minDistance;
+    vec3 tilt;
+};
+// [ComponentRadiance]
+struct GpuComponentLight {
+    vec3 radiance;
     vec3 tilt;
 };
 // Of PatchLayout::Elements.
@@ -126,6 +143,7 @@ struct GpuMember {
 
 HL_CONST uint kSky = 1u;        // not black
 HL_CONST uint kSkyPicture = 2u; // a picture, not a gradient
+HL_CONST uint kSkySplit = 4u;   // a gradient whose colours are of several components
 // Numbers that all rays of a map share.
 struct GpuGatherConstants {
     uint seed;
@@ -143,6 +161,9 @@ struct GpuGatherConstants {
     ivec2 pictureSize;
     vec2 turn;
     float limit;
+    uint components;         // 0: light is estimated as one
+    uint skyComponents[3];   // of zenith, horizon and ground
+    uint emittingComponents; // a bit each: SceneLight::emittingComponents()
 };
 
 HL_NAMESPACE_END

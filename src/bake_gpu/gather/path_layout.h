@@ -29,6 +29,7 @@ struct GpuPathMaterial {
     float roughness;
     float specular;
     vec3 emission;
+    uint component; // of its emission
     GpuTextureUse baseColorTexture;
     GpuTextureUse metallicRoughnessTexture;
     GpuTextureUse emissiveTexture;
@@ -49,6 +50,7 @@ struct GpuEmitter {
 HL_CONST uint kUniform = 1u;
 HL_CONST uint kDoubleSided = 2u;
 HL_CONST uint kRayVisible = 4u;
+HL_CONST uint kComponentShift = 8u; // of the emitter's component
 
 HL_CONST int kPathTextureSets = 8; // kTexCoordSets
 HL_CONST int kPathLevels = 3;      // RadianceCache::kLevels
@@ -61,8 +63,7 @@ struct GpuPathConstants {
     uint levels;         // bit i: there is level i + 1
     uint glossy;         // surfaces have specular lobes
     uint anyLights;      // the scene has lights, though perhaps none of them bounces
-    uint alwaysCount;    // lights that are considered at each point
-    uint lightNodes;     // of the tree over the others
+    uint choosers;       // SceneLight::choosers()
     uint emitterNodes;
     uint cutNodes;    // of a texel's cut through the tree of emitters
     uint brightAreas; // of the sky's picture

@@ -19,13 +19,18 @@ struct PathTables::Addresses {
     VkDeviceAddress faces, parts, materials, surfaces, colors;
     std::array<VkDeviceAddress, kPathTextureSets> uv;
     VkDeviceAddress pictures, texels, linear;
-    std::array<VkDeviceAddress, kPathLevels> levels;
-    VkDeviceAddress lights, always, lightTree, lightOfItem, emitters, emitterTree, leafOfEmitter, brightAreas,
-        brightBins;
+    std::array<VkDeviceAddress, kPathLevels> levels, componentLevels;
+    VkDeviceAddress lights, choosers, emitters, emitterTree, leafOfEmitter, brightAreas, brightBins;
     GpuPathConstants all;
 };
 
 namespace {
+
+/// LightChooser in shaders/bake/paths/tables.glsl.
+struct LightChooser {
+    VkDeviceAddress always, tree, lightOfItem;
+    uint32_t alwaysCount, nodes, component;
+};
 
 std::vector<vec3> normalsOf(const RayTracer& surfaces)
 {
@@ -48,13 +53,14 @@ GpuTextureUse pathTextureOf(const BakeGeometry& geometry, const TextureRef& ref)
     return use;
 }
 
-GpuPathMaterial pathMaterialOf(const BakeGeometry& geometry, const TransportMaterial& m)
+GpuPathMaterial pathMaterialOf(const BakeGeometry& geometry, const TransportMaterial& m, int component)
 {
     return {m.baseColorFactor,
             m.metallicFactor,
             m.roughnessFactor,
             m.specular,
             m.emission,
+            uint32_t(component),
             pathTextureOf(geometry, m.baseColor),
             pathTextureOf(geometry, m.metallicRoughness),
             pathTextureOf(geometry, m.emissive)};
@@ -70,7 +76,8 @@ PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurf
     ofScene_.scene = scene.address();
     ofScene_.normals = keep(normalsOf(paths.surfaces()));
     addSky(paths.light().sky());
-    addSurfaces(paths.surfaces());
+    addComponents(paths.light());
+    addSurfaces(paths);
     addFaces(scene, paths);
     addresses_->surfaces = surfaces.address();
     addPictures(paths.surfaces().materials());
@@ -85,6 +92,8 @@ VkDeviceAddress PathTables::forPaths(int bounces, const RadianceCache* cache, st
         buffers.push_back(bufferOf(device_, level));
         to.levels[i] = buffers.back().address();
         if (!level.empty()) to.all.levels |= 1u << i;
+        buffers.push_back(bufferOf(device_, cache->components().levels[i]));
+        to.componentLevels[i] = buffers.back().address();
     }
     if (cache != nullptr && !cache->converged()) {
         to.all.levelOfFirst = cache->bounces() - bounces;
@@ -111,8 +120,18 @@ void PathTables::addSky(const SkyLight& light)
     all.limit = light.limit();
 }
 
-void PathTables::addSurfaces(const RayTracer& surfaces)
+void PathTables::addComponents(const SceneLight& light)
 {
+    GpuGatherConstants& all = ofScene_.all;
+    all.components = uint32_t(light.components());
+    for (std::size_t part = 0; part < 3; ++part) all.skyComponents[part] = uint32_t(light.skyComponents()[part]);
+    if (light.splitsSky()) all.sky |= kSkySplit;
+    for (const int component : light.emittingComponents()) all.emittingComponents |= 1u << component;
+}
+
+void PathTables::addSurfaces(const PathTracer& paths)
+{
+    const RayTracer& surfaces = paths.surfaces();
     const BakeGeometry& geometry = surfaces.geometry();
     const auto materials = uint32_t(surfaces.materials().all().size());
     std::vector<GpuPathPart> parts;
@@ -124,8 +143,11 @@ void PathTables::addSurfaces(const RayTracer& surfaces)
     addresses_->all.coloredVertices = geometry.colors.empty() ? 0 : 1;
     for (std::size_t i = 0; i < kPathTextureSets; ++i) addresses_->uv[i] = keep(geometry.uv[i]);
     std::vector<GpuPathMaterial> looks;
-    for (const TransportMaterial& material : surfaces.materials().all())
-        looks.push_back(pathMaterialOf(geometry, material));
+    for (const TransportMaterial& material : surfaces.materials().all()) {
+        const auto number = uint32_t(looks.size());
+        const int component = paths.light().componentOfMaterial(number + 1 == materials ? -1 : int(number));
+        looks.push_back(pathMaterialOf(geometry, material, component));
+    }
     addresses_->materials = keep(looks);
 }
 
@@ -151,8 +173,8 @@ void PathTables::addFaces(const GpuScene& scene, const PathTracer& paths)
     for (std::size_t i = 0; i < hitIndexOfEmitter.size(); ++i) {
         const Emitters::Emissive& e = emissive.all()[i];
         const uint32_t hitIndex = hitIndexOfEmitter[i];
-        const uint32_t flags =
-            (e.uniform ? kUniform : 0) | (e.doubleSided ? kDoubleSided : 0) | (e.rayVisible ? kRayVisible : 0);
+        const uint32_t flags = (e.uniform ? kUniform : 0) | (e.doubleSided ? kDoubleSided : 0) |
+                               (e.rayVisible ? kRayVisible : 0) | uint32_t(e.component) << kComponentShift;
         emitters.push_back({e.origin, e.edge1, e.edge2, e.normal, e.radiance, e.inverseArea, hitIndex,
                             scene.maskedOf(hitIndex), flags});
     }
@@ -174,17 +196,25 @@ void PathTables::addPictures(const Materials& materials)
     addresses_->linear = keep(kLinearFromSrgb8);
 }
 
+void PathTables::addChoosers(const SceneLight& light)
+{
+    std::vector<LightChooser> choosers;
+    for (std::size_t i = 0; i < light.choosers(); ++i) {
+        const SceneLight::Chooser& from = light.chooser(i);
+        const auto nodes = from.tree.nodes();
+        choosers.push_back({keep(from.always), keep(nodes), keep(from.lightOfItem), uint32_t(from.always.size()),
+                            uint32_t(nodes.size()), uint32_t(from.component)});
+    }
+    addresses_->choosers = keep(choosers);
+    addresses_->all.choosers = uint32_t(choosers.size());
+}
+
 void PathTables::addLights(const SceneLight& light)
 {
     std::vector<LightSource> lights(light.lights().begin(), light.lights().end());
     addresses_->lights = keep(lights);
-    const SceneLight::Chooser& chooser = light.chooser(0);
-    addresses_->always = keep(chooser.always);
-    addresses_->lightTree = keep(chooser.tree.nodes());
-    addresses_->lightOfItem = keep(chooser.lightOfItem);
     addresses_->all.anyLights = lights.empty() ? 0 : 1;
-    addresses_->all.alwaysCount = uint32_t(chooser.always.size());
-    addresses_->all.lightNodes = uint32_t(chooser.tree.nodes().size());
+    addChoosers(light);
     addresses_->emitterTree = keep(light.emitters().tree().nodes());
     addresses_->leafOfEmitter = keep(light.emitters().tree().leafOfItem());
     addresses_->all.emitterNodes = uint32_t(light.emitters().tree().nodes().size());

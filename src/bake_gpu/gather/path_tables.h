@@ -12,7 +12,7 @@ namespace halflight {
 /// Tables in shaders/bake/gather.glsl.
 struct GatherAddresses {
     VkDeviceAddress scene, pattern, radii, angles, surfaces, normals, elements, patches, guideOfPatch, sourcesOfGuide,
-        guides, entries, cumulative, clusters, triangles, sourceMasks, bins, members, picture, paths;
+        guides, entries, cumulative, clusters, triangles, sourceMasks, bins, members, picture, components, paths;
     shading::GpuGatherConstants all;
 };
 
@@ -20,6 +20,7 @@ struct GatherAddresses {
 struct TablesPush {
     VkDeviceAddress scene, tables, lists;
     uint32_t whole = 0; ///< of paths/paths.rgen: 1 = paths are whole; 0 = they go on from open rays
+    uint32_t first = 0; ///< of these: number of the launch's first among all open rays
 };
 
 class PathTables {
@@ -42,11 +43,13 @@ private:
         buffers_.push_back(bufferOf(device_, std::span<const typename List::value_type>(list)));
         return buffers_.back().address();
     }
-    void addSurfaces(const RayTracer& surfaces);
+    void addSurfaces(const PathTracer& paths);
     void addFaces(const GpuScene& scene, const PathTracer& paths);
     void addPictures(const Materials& materials);
     void addLights(const SceneLight& light);
+    void addChoosers(const SceneLight& light);
     void addSky(const SkyLight& light);
+    void addComponents(const SceneLight& light);
 
     gpu::Device& device_;
     bool glossy_;                      ///< PathTracer::glossy()

@@ -27,6 +27,7 @@ private:
     const GpuScene& scene_;
     const gpu::RayPipeline& pipeline_;
     bool samplesEmission_;             ///< SceneLight::samplesEmission()
+    int components_;                   ///< SceneLight::components()
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to
     gpu::Buffer tables_;
     mutable std::mutex mutex_;                                   ///< guards what follows

@@ -17,7 +17,7 @@ struct GpuArrival {
     vec3 radiance;
     vec3 direction;
     uint rays;
-    uint back;
+    uint back; // 1: a hidden back; from bit 16 on the component of the emission's emitter
 };
 struct GpuEmission {
     vec3 ofEmitter;
@@ -32,6 +32,7 @@ struct GpuPathCall {
     uint itemCount;
     uint firstPath;
     uint pathsOfItem;
+    uint byComponent; // light is kept by component too
 };
 
 HL_NAMESPACE_END

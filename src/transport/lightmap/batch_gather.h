@@ -11,8 +11,9 @@ namespace halflight {
 
 class BatchGather {
 public:
-    BatchGather(const DeviceGather& device, const TexelMap& map, bool samplesEmission)
-        : device_(device), map_(map), samplesEmission_(samplesEmission)
+    BatchGather(const DeviceGather& device, const TexelMap& map, const SceneLight& light)
+        : device_(device), map_(map), samplesEmission_(light.samplesEmission()),
+          components_(std::size_t(light.components()))
     {}
 
     /// Adds blocks `firstBlock` … `firstBlock` + blocks - 1 to the estimate of a texel.
@@ -20,6 +21,7 @@ public:
         uint32_t texel = 0;
         int blocks = 0;
         TexelEstimate* estimate = nullptr;
+        std::span<ComponentEstimate> components; ///< of the texel, one after another
     };
     /// On all threads. `rays` are counted.
     Status add(std::span<const Request> requests, int firstBlock, const Progress& progress,
@@ -28,10 +30,13 @@ public:
 private:
     struct Batch;
     void prepare(Batch& batch) const;
+    Status gather(Batch& batch, uint64_t& rays) const;
+    void add(const Batch& batch, std::size_t number) const;
 
     const DeviceGather& device_;
     const TexelMap& map_;
     bool samplesEmission_; ///< SceneLight::samplesEmission()
+    std::size_t components_;
 };
 
 } // namespace halflight

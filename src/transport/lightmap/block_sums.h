@@ -114,14 +114,14 @@ private:
 class ComponentSums {
 public:
     explicit ComponentSums(int components)
-        : count_(std::size_t(components)), sums_(2 * std::size_t(kLanes) * std::size_t(components))
+        : count_(std::size_t(components)), sums_(std::size_t(kLanes) * std::size_t(components))
     {}
     [[nodiscard]] int count() const { return int(count_); }
-    void begin() { std::fill(sums_.begin(), sums_.end(), Sum{}); }
+    void begin() { std::fill(sums_.begin(), sums_.end(), DeviceGather::Halves{}); }
     void add(std::size_t stratum, std::size_t lane, int component, vec3 irradiance, vec3 direction)
     {
         if (irradiance == vec3(0.0f)) return;
-        Sum& sum = sums_[(BlockSums::halfOf(stratum) * kLanes + lane) * count_ + std::size_t(component)];
+        DeviceGather::Half& sum = sums_[lane * count_ + std::size_t(component)][BlockSums::halfOf(stratum)];
         sum.irradiance += irradiance;
         sum.moment += luminance(irradiance) * direction;
     }
@@ -129,26 +129,27 @@ public:
     /// finite are left out together.
     void end(std::size_t lane, std::span<ComponentEstimate> estimates, RunningMoments ComponentEstimate::*moments) const
     {
+        end(std::span(sums_).subspan(lane * count_, count_), estimates.subspan(lane * count_, count_), moments);
+    }
+    /// The same of a texel's components.
+    static void end(std::span<const DeviceGather::Halves> sums, std::span<ComponentEstimate> estimates,
+                    RunningMoments ComponentEstimate::*moments)
+    {
         constexpr float kShare = 2.0f / float(StratifiedPattern::kBlock);
         for (std::size_t half = 0; half < 2; ++half) {
-            const Sum* const sums = &sums_[(half * kLanes + lane) * count_];
-            const bool finite = std::all_of(sums, sums + count_, [](const Sum& sum) {
-                return isFinite(sum.irradiance * kShare) && isFinite(sum.moment * kShare);
+            const bool finite = std::all_of(sums.begin(), sums.end(), [half](const DeviceGather::Halves& sum) {
+                return isFinite(sum[half].irradiance * kShare) && isFinite(sum[half].moment * kShare);
             });
-            for (std::size_t c = 0; c < count_; ++c)
-                (estimates[lane * count_ + c].*moments)
-                    .add(finite ? sums[c].irradiance * kShare : vec3(0.0f),
-                         finite ? sums[c].moment * kShare : vec3(0.0f));
+            for (std::size_t c = 0; c < sums.size(); ++c)
+                (estimates[c].*moments)
+                    .add(finite ? sums[c][half].irradiance * kShare : vec3(0.0f),
+                         finite ? sums[c][half].moment * kShare : vec3(0.0f));
         }
     }
 
 private:
-    struct Sum {
-        vec3 irradiance{0.0f};
-        vec3 moment{0.0f};
-    };
     std::size_t count_;
-    std::vector<Sum> sums_; ///< by half, lane and component
+    std::vector<DeviceGather::Halves> sums_; ///< by lane and component
 };
 
 } // namespace halflight

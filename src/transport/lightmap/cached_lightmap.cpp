@@ -32,7 +32,7 @@ Status CachedLightmap::prepare(const Progress& progress, std::atomic<uint64_t>& 
     auto state = std::make_unique<LightmapState>(map_, paths_.light().components() > 0);
     const auto compute = [&] { return build(*state, progress, rays); };
     if (Status s = store_.computed(kRadianceStage, *state, compute); !s) return s;
-    if (settings_.bounces > 0 && paths_.light().components() == 0) {
+    if (settings_.bounces > 0) {
         auto device = paths_.surfaces().kernels().prepareGather(
             {paths_, pattern_, state->cache, state->guides, settings_.seed, settings_.bounces});
         if (!device) return device.error();

@@ -5,6 +5,7 @@
 #include "transport/radiosity/radiance_cache.h"
 #include "transport/random/stratified_pattern.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -21,7 +22,7 @@ struct GatherTables {
 };
 
 /// Traces gather rays with their continuation paths, and rays to secondary sources, emitters and the sky's bright part,
-/// as FinalGather does.
+/// as FinalGather does. Lists of components are empty where light is estimated as one.
 class DeviceGather {
 public:
     virtual ~DeviceGather() = default;
@@ -49,12 +50,29 @@ public:
         float inverseSquares = 0.0f;
     };
 
-    /// Most blocks of one call.
+    /// Most blocks of one call. Where there are components, their sums take 32 MiB at most.
     static constexpr std::size_t kMostBlocks = 65536;
-    /// By block, `gathered` gets what gather rays and samples of secondary sources bring, `emitted` those of emitters
-    /// and the sky. It is empty where the scene has neither (SceneLight::samplesEmission()). Any thread may call it.
-    virtual Status gather(const TexelMap& map, std::span<const Texel> texels, std::span<const Block> blocks,
-                          std::span<Sums> gathered, std::span<Halves> emitted, uint64_t& rays) const = 0;
+    static constexpr std::size_t mostBlocks(std::size_t components)
+    {
+        constexpr std::size_t kMostBytes = std::size_t(32) << 20;
+        return components == 0 ? kMostBlocks : std::min(kMostBlocks, kMostBytes / (components * sizeof(Halves)));
+    }
+
+    struct Batch {
+        std::span<const Texel> texels;
+        std::span<const Block> blocks;      ///< mostBlocks() of them, and of texels, at most
+        std::span<const vec3> ofComponents; ///< by texel and component, as Texel::gathered
+    };
+    /// By block: `gathered` is what gather rays and samples of secondary sources bring, `emitted` those of emitters and
+    /// the sky. It is empty where the scene has neither (SceneLight::samplesEmission()).
+    struct Light {
+        std::span<Sums> gathered;
+        std::span<Halves> emitted;
+        std::span<Halves> gatheredOf; ///< the same of components: by block, then by component
+        std::span<Halves> emittedOf;
+    };
+    /// Any thread may call it.
+    virtual Status gather(const TexelMap& map, const Batch& batch, const Light& out, uint64_t& rays) const = 0;
 };
 
 } // namespace halflight

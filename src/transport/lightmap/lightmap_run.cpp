@@ -149,8 +149,8 @@ Status LightmapRun::extendOnDevice(std::span<const uint32_t> places, std::span<c
 {
     std::vector<BatchGather::Request> requests(places.size());
     for (std::size_t i = 0; i < places.size(); ++i)
-        requests[i] = {texelAt(places[i]), blocks[i], &stateAt(places[i]).estimate};
-    const BatchGather gather(*input_.state.device, input_.map, input_.paths.light().samplesEmission());
+        requests[i] = {texelAt(places[i]), blocks[i], &stateAt(places[i]).estimate, componentsAt(places[i])};
+    const BatchGather gather(*input_.state.device, input_.map, input_.paths.light());
     const RayTracer& surfaces = input_.paths.surfaces();
     if (Status s = gather.add(requests, firstBlock, progress_, rays_); !s) {
         if (s.error().code != ErrorCode::Cancelled) surfaces.keep(s.error());

@@ -27,13 +27,35 @@ bool addSample(const FromEmission& emitter, const FromEmission& sky, vec3 bounce
     return finite;
 }
 
+/// What one sample brings by component.
+class SampleParts {
+public:
+    explicit SampleParts(std::size_t components) : parts_(components) {}
+
+    void add(int component, vec3 irradiance, vec3 from)
+    {
+        parts_[std::size_t(component)].sum += irradiance;
+        parts_[std::size_t(component)].moment += luminance(irradiance) * from;
+    }
+    /// Adds the sample to the estimates of components; as black where it is not `finite`. The next one begins.
+    void end(bool finite, std::span<RunningMoments> components)
+    {
+        for (std::size_t c = 0; c < parts_.size(); ++c)
+            components[c].add(finite ? parts_[c].sum : vec3(0.0f), finite ? parts_[c].moment : vec3(0.0f));
+        std::ranges::fill(parts_, RunningMoments{});
+    }
+
+private:
+    std::vector<RunningMoments> parts_; ///< sums
+};
+
 /// Irradiance is pi times the mean radiance of cosine-distributed paths (pdf cos / pi), plus emitter samples.
 RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settings, const TexelPoints& points,
                       int pointCount, int samples, uint32_t id, std::span<RunningMoments> components, uint64_t& rays)
 {
     RunningMoments gathered;
     PathLights lights;
-    std::vector<RunningMoments> sample(components.size());
+    SampleParts parts(components.size());
     for (int s = 0; s < samples; ++s) {
         const SurfacePoint& point = points[std::size_t(s % pointCount)];
         Sampler sampler(settings.seed, id, uint32_t(s));
@@ -47,17 +69,11 @@ RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settin
         const vec3 bounced = kPi * in.radiance;
         const bool finite = addSample(emitter, sky, bounced, direction, gathered);
         if (components.empty()) continue;
-        std::ranges::fill(sample, RunningMoments{});
-        const auto addTo = [&](int component, vec3 irradiance, vec3 from) {
-            sample[std::size_t(component)].sum += irradiance;
-            sample[std::size_t(component)].moment += luminance(irradiance) * from;
-        };
-        addTo(emitter.component, emitter.irradiance, emitter.direction);
-        addTo(sky.component, sky.irradiance, sky.direction);
-        for (const PathLight& light : lights) addTo(light.component, kPi * light.radiance, direction);
+        parts.add(emitter.component, emitter.irradiance, emitter.direction);
+        parts.add(sky.component, sky.irradiance, sky.direction);
+        for (const PathLight& light : lights) parts.add(light.component, kPi * light.radiance, direction);
         lights.clear();
-        for (std::size_t c = 0; c < components.size(); ++c)
-            components[c].add(finite ? sample[c].sum : vec3(0.0f), finite ? sample[c].moment : vec3(0.0f));
+        parts.end(finite, components);
     }
     return gathered;
 }
@@ -123,8 +139,10 @@ IrradianceEstimate meansOf(const RunningMoments& from)
 /// Texels whose paths a device traces in one call, or in several where each has many.
 class TexelsOnDevice {
 public:
-    TexelsOnDevice(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels)
-        : map_(map), texels_(texels), moments_(texels.size())
+    TexelsOnDevice(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
+                   std::size_t components)
+        : map_(map), texels_(texels), moments_(texels.size() + 1), skyComponent_(paths.light().skyComponent()),
+          components_(components), ofComponents_((texels.size() + 1) * components)
     {
         TexelPoints points;
         for (const uint32_t texel : texels) {
@@ -138,20 +156,36 @@ public:
 
     Status trace(const DevicePaths& device, uint32_t seed, uint32_t samples, uint64_t& rays)
     {
-        const auto take = [&](std::size_t item, const DevicePaths::Arrival& a, const DevicePaths::Emission& e) {
-            addSample({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, kPi * a.radiance, a.direction, moments_[item]);
+        SampleParts parts(components_);
+        const auto take = [&](std::size_t item, const DevicePaths::Arrival& a, const DevicePaths::Emission& e,
+                              std::span<const vec3> components) {
+            const bool finite = addSample({e.toEmitter, e.ofEmitter}, {e.toSky, e.ofSky}, kPi * a.radiance, a.direction,
+                                          moments_[item]);
             rays += a.rays;
+            if (components.empty()) return;
+            parts.add(a.emitterComponent, e.ofEmitter, e.toEmitter);
+            parts.add(skyComponent_, e.ofSky, e.toSky);
+            for (std::size_t c = 0; c < components_; ++c) parts.add(int(c), kPi * components[c], a.direction);
+            parts.end(finite, std::span(ofComponents_).subspan(item * components_, components_));
         };
-        return device.traceAll(points_, items_, seed, samples, take);
+        return device.traceAll(points_, items_, seed, samples, int(components_), take);
     }
 
-    void write(std::span<IrradianceEstimate> out) const
+    /// `out`: of these texels.
+    void write(const TexelLight& out) const
     {
         std::size_t item = 0;
         for (std::size_t i = 0; i < texels_.size(); ++i) {
             const bool valid = map_.texels[texels_[i]].validPoints != 0;
-            out[i] = valid ? meansOf(moments_[item++]) : IrradianceEstimate();
-            out[i].valid = valid;
+            const auto estimateOf = [valid](const RunningMoments& from) {
+                IrradianceEstimate estimate = valid ? meansOf(from) : IrradianceEstimate();
+                estimate.valid = valid;
+                return estimate;
+            };
+            out.texels[i] = estimateOf(moments_[item]);
+            for (std::size_t c = 0; c < components_; ++c)
+                out.components[i * components_ + c] = estimateOf(ofComponents_[item * components_ + c]);
+            item += valid ? 1 : 0;
         }
     }
 
@@ -160,16 +194,20 @@ private:
     std::span<const uint32_t> texels_;
     std::vector<DevicePaths::Point> points_;
     std::vector<DevicePaths::Item> items_; ///< of valid texels
-    std::vector<RunningMoments> moments_;  ///< by item
+    std::vector<RunningMoments> moments_;  ///< by item, and one more: invalid texels at the end read it
+    int skyComponent_;
+    std::size_t components_;                   ///< 0: none are asked for
+    std::vector<RunningMoments> ofComponents_; ///< by item and component
 };
 
 } // namespace
 
 Status tracePathLightmapOn(const DevicePaths& device, const PathTracer& paths, const IntegrationSettings& settings,
-                           const TexelMap& map, std::span<const uint32_t> texels, int samples,
-                           std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
+                           const TexelMap& map, std::span<const uint32_t> texels, int samples, const TexelLight& out,
+                           const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    const std::size_t most = DevicePaths::itemsOfCall(samples);
+    const std::size_t components = out.components.empty() ? 0 : std::size_t(paths.light().components());
+    const std::size_t most = DevicePaths::itemsOfCall(samples, int(components));
     const std::size_t calls = (texels.size() + most - 1) / most;
     const bool finished = parallelFor(calls, 1, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
         for (std::size_t call = begin; call < end; ++call) {
@@ -177,10 +215,11 @@ Status tracePathLightmapOn(const DevicePaths& device, const PathTracer& paths, c
             const std::size_t first = call * most;
             const std::size_t count = std::min(most, texels.size() - first);
             uint64_t traced = 0;
-            TexelsOnDevice some(paths, map, texels.subspan(first, count));
+            TexelsOnDevice some(paths, map, texels.subspan(first, count), components);
             if (Status s = some.trace(device, settings.seed, uint32_t(samples), traced); !s)
                 paths.surfaces().keep(s.error());
-            some.write(out.subspan(first, count));
+            some.write(
+                {out.texels.subspan(first, count), out.components.subspan(first * components, count * components)});
             rays += traced;
         }
     });

@@ -16,8 +16,8 @@ Status tracePathLightmap(const PathTracer& paths, const IntegrationSettings& set
 
 /// The same of light as one, on a device: the same samples.
 Status tracePathLightmapOn(const DevicePaths& device, const PathTracer& paths, const IntegrationSettings& settings,
-                           const TexelMap& map, std::span<const uint32_t> texels, int samples,
-                           std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
+                           const TexelMap& map, std::span<const uint32_t> texels, int samples, const TexelLight& out,
+                           const Progress& progress, std::atomic<uint64_t>& rays);
 
 /// As Integrator::irradiance() for rough requests.
 Status traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,

@@ -29,7 +29,10 @@ struct PatchRadiance {
 struct ComponentRadiance {
     vec3 radiance{0.0f};
     vec3 tilt{0.0f};
-    [[nodiscard]] vec3 along(vec3 rayDirection) const { return radiance * (1.0f - glm::dot(tilt, rayDirection)); }
+    [[nodiscard]] vec3 along(vec3 rayDirection) const
+    {
+        return shading::patchRadianceAlong(radiance, tilt, rayDirection);
+    }
 };
 
 /// What of the cache is kept by component; empty where light is estimated as one.
@@ -59,6 +62,7 @@ public:
 
     void setComponents(ComponentCache components) { components_ = std::move(components); }
     [[nodiscard]] std::size_t componentCount() const { return components_.count; }
+    [[nodiscard]] const ComponentCache& components() const { return components_; }
     /// Of a patch or element of patches().
     [[nodiscard]] std::span<const ComponentRadiance> componentsOf(const PatchRadiance& patch) const
     {

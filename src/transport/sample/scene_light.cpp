@@ -24,7 +24,7 @@ void SceneLight::addChooser(int component)
     // Up to 8 lights are chosen by their exact unshadowed contributions.
     constexpr std::ptrdiff_t kFewLights = 8;
     const auto isOne = [&](const PunctualLight& l) { return l.bounces && l.component == component; };
-    Chooser chooser;
+    Chooser chooser{component, {}, {}, {}};
     if (std::count_if(lights_.begin(), lights_.end(), isOne) > kFewLights)
         chooser.tree = punctualTree(lights_, component, chooser.lightOfItem);
     for (uint32_t i = 0; i < lights_.size(); ++i) {

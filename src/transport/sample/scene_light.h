@@ -38,12 +38,18 @@ public:
     [[nodiscard]] int components() const { return components_.count; }
     /// Of a picture, whose bright places are sampled.
     [[nodiscard]] int skyComponent() const { return components_.ofSky[0]; }
+    /// Whether parts of the sky are of different components.
+    [[nodiscard]] bool splitsSky() const
+    {
+        const auto [zenith, horizon, ground] = components_.ofSky;
+        return zenith != horizon || zenith != ground;
+    }
     /// Calls visit(component, radiance) for what of the sky's radiance in a direction is of a component: a gradient's
     /// colours may be of three.
     template<typename Visit> void splitSky(vec3 direction, vec3 radiance, Visit visit) const
     {
         const auto [zenith, horizon, ground] = components_.ofSky;
-        if (zenith == horizon && zenith == ground) {
+        if (!splitsSky()) {
             visit(zenith, radiance);
             return;
         }
@@ -53,12 +59,16 @@ public:
         visit(horizon, shares.y * colors.horizon);
         visit(ground, shares.z * colors.ground);
     }
-    /// Of a triangle's emission.
+    /// Of the zenith, the horizon and the ground; of a picture all the same.
+    [[nodiscard]] const std::array<int, 3>& skyComponents() const { return components_.ofSky; }
+    /// Of a triangle's emission, and of a material's; -1: no material.
     [[nodiscard]] int emissionComponent(uint32_t triangle) const
     {
-        if (components_.count == 0) return 0;
-        const int material = surfaces_.geometry().partOf(triangle).material;
-        return material < 0 ? 0 : components_.ofMaterial[std::size_t(material)];
+        return components_.count == 0 ? 0 : componentOfMaterial(surfaces_.geometry().partOf(triangle).material);
+    }
+    [[nodiscard]] int componentOfMaterial(int material) const
+    {
+        return material < 0 || components_.count == 0 ? 0 : components_.ofMaterial[std::size_t(material)];
     }
     /// Whether there are emitters or bright places in the sky, which receivers sample.
     [[nodiscard]] bool samplesEmission() const { return !emitters_.empty() || sky_.samples(); }
@@ -92,6 +102,7 @@ public:
 
     /// The lights of a component that bounce.
     struct Chooser {
+        int component = 0;
         LightTree tree; ///< empty if they are few
         std::vector<uint32_t> lightOfItem;
         std::vector<uint32_t> always; ///< lights that are not in the tree
@@ -177,7 +188,7 @@ SceneLight::chooseComponent(const SurfacePoint& point, Sampler& sampler, Contrib
     for (std::size_t c = 0; c < choosers_.size(); ++c) {
         if (!(totals[c] > 0.0f)) continue;
         last = c;
-        lastProbability = 0.5f * totals[c] / all + 0.5f / float(reaching);
+        lastProbability = shading::probabilityOfSet(totals[c], all, reaching);
         if (u < lastProbability) break;
         u -= lastProbability;
     }

@@ -280,18 +280,5 @@ TEST(LightGroupsOfLampsS33, WhatHasNoGroupsSaysSo)
     EXPECT_THAT(weights.error().text(), HasSubstr("has no light group \"lamp\""));
 }
 
-TEST(LightGroupsOfLampsS33, WhyAGpuGathersNothingIsAWarning)
-{
-    BakeSettings settings = settingsOf(1);
-    settings.texelsPerMeter = 1.0f;
-    settings.probeSpacingMeters = 4.0f;
-    IntegratorFactory integrators = embreeIntegrators();
-    integrators.note = whyProcessorGathers(rooms(), settings);
-    EXPECT_THAT(integrators.note, HasSubstr("--groups off"));
-    const Result<BakeResult> result = bake(rooms(), settings, integrators);
-    ASSERT_TRUE(result);
-    EXPECT_THAT(result->report.warnings, testing::Contains(integrators.note));
-}
-
 } // namespace
 } // namespace halflight::test::bake_groups_test

@@ -52,37 +52,5 @@ TEST(ExpectedSamples, AreLimitedByAPage)
     EXPECT_NEAR(expectedSamples(floorScene(), sampled(10)), 6.0 * perMeter * perMeter * 10.0, 10.0);
 }
 
-TEST(ProcessorGathers, LightOfGroupsS33)
-{
-    BakeSettings settings;
-    Scene scene = floorScene();
-    EXPECT_EQ(whyProcessorGathers(scene, settings), "");
-    settings.groups = GroupChoice::Each;
-    EXPECT_NE(whyProcessorGathers(scene, settings), "");
-    settings.groups = GroupChoice::Authored;
-    scene.sky.changes = true;
-    EXPECT_NE(whyProcessorGathers(scene, settings), "");
-    scene.sky.changes = false;
-    scene.materials[0].group = "lamps";
-    EXPECT_NE(whyProcessorGathers(scene, settings), "");
-    settings.groups = GroupChoice::Off;
-    EXPECT_EQ(whyProcessorGathers(scene, settings), "");
-}
-
-TEST(ProcessorGathers, NoWholePathsS6)
-{
-    BakeSettings settings;
-    settings.integrator = IntegratorKind::Path;
-    EXPECT_EQ(whyProcessorGathers(floorScene(), settings), "");
-}
-
-TEST(ProcessorGathers, LightThroughColoredGlassS35)
-{
-    Scene scene = floorScene();
-    scene.materials[0].transmission = 1.0f;
-    scene.materials[0].baseColor = vec4(1.0f, 0.2f, 0.2f, 1.0f);
-    EXPECT_EQ(whyProcessorGathers(scene, {}), "") << "a GPU does";
-}
-
 } // namespace
 } // namespace halflight::test::expected_samples_test
