@@ -79,6 +79,13 @@ TEST_F(GpuFaults, TheProcessorTracesPathsInsteadS6)
     expectTheProcessorBakesInstead(tinySettings(IntegratorKind::Path));
 }
 
+TEST_F(GpuFaults, TheProcessorBakesGroupsInsteadS33)
+{
+    BakeSettings settings = tinySettings();
+    settings.groups = GroupChoice::Each;
+    expectTheProcessorBakesInstead(settings);
+}
+
 /// Wherever the device fails while it computes irradiance or a probe, that is an error: no texel keeps what it had.
 TEST_F(GpuFaults, EachFailureIsAnErrorS6)
 {
@@ -147,6 +154,29 @@ TEST_F(GpuFaults, MemoryHasALimitS6)
     EXPECT_LE(exact->report.peakDeviceBytes, whole->report.peakDeviceBytes);
     EXPECT_EQ(exact->report.identity, whole->report.identity);
     expectSameBakes(exact->baked, whole->baked);
+}
+
+/// As many groups as a file may have take 192 MiB at most: what grows with the scene is small here.
+TEST_F(GpuFaults, GroupsTakeLittleMemoryS33)
+{
+    Scene scene = room(true, true, true);
+    for (std::size_t i = 3; i < kMostLightGroups; ++i)
+        scene.lights.push_back(pointAt("lamp" + std::to_string(i), vec3(-0.8f + 0.1f * float(i), 1.7f, 0.5f), 3.0f));
+    BakeSettings settings = tinySettings();
+    std::array<uint64_t, 2> bytes{};
+    for (const bool grouped : {false, true}) {
+        const auto device = deviceFailingAt(0);
+        if (!device) GTEST_SKIP() << device.error().message;
+        settings.groups = grouped ? GroupChoice::Each : GroupChoice::Off;
+        const Result<BakeResult> result = bake(scene, settings, gpuIntegrators(*device));
+        ASSERT_TRUE(result) << result.error().text();
+        EXPECT_EQ(result->baked.groups.size(), grouped ? kMostLightGroups : 0u);
+        EXPECT_TRUE(result->report.identity.starts_with("gpu-")) << result->report.identity;
+        bytes[grouped ? 1 : 0] = result->report.peakDeviceBytes;
+    }
+    EXPECT_GT(bytes[1], bytes[0]);
+    EXPECT_LT(bytes[1] - bytes[0], uint64_t(192) << 20);
+    RecordProperty("bytes", std::to_string(bytes[0]) + " and " + std::to_string(bytes[1]));
 }
 
 /// A device that cannot be opened is an error: nothing was baked yet.

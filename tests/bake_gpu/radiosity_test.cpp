@@ -6,6 +6,7 @@
 #include "bake/test_sky.h"
 #include "bake_cpu/trace/embree_kernels.h"
 #include "bake_gpu/kernels.h"
+#include "bake_gpu/radiosity_differences.h"
 #include "bake_gpu/test_device.h"
 #include "transport/glass_scene.h"
 #include "transport/radiosity/build.h"
@@ -20,45 +21,17 @@
 namespace halflight::test::device_radiosity_test {
 namespace {
 
-/// What of both differs.
-struct Differences {
-    std::size_t occluded = 0; ///< patches and elements that an occluder crosses
-    std::size_t otherOccluded = 0;
-    std::size_t links = 0;
-    std::size_t otherLinks = 0;
-    std::size_t tints = 0; ///< links through coloured glass
-    std::size_t otherTints = 0;
-    std::size_t samples = 0; ///< sums of light, by entry of FormFactorRange::samples
-    std::size_t otherSamples = 0;
-    double light = 0.0; ///< of all samples
-    double lightDifference = 0.0;
-    uint64_t raysOfCpu = 0;
-    uint64_t raysOfGpu = 0;
-};
-
-/// Whether two sums of one sample differ by more than rounding does.
-bool isOther(vec3 a, vec3 b, float near = 1.0e-3f)
-{
-    return glm::distance(a, b) > near * (glm::length(a) + 1.0e-4f);
-}
-bool isOther(const LobeMoments& a, const LobeMoments& b)
-{
-    // A sampled direction of a lobe that falls below the surface counts as none.
-    return isOther(a.albedo, b.albedo) || isOther(a.exitance, b.exitance) || isOther(a.normal, b.normal) ||
-           isOther(vec3(a.evenLight, a.evenCosine, a.sampledExitance),
-                   vec3(b.evenLight, b.evenCosine, b.sampledExitance), 5.0e-3f) ||
-           isOther(a.sampledMoment, b.sampledMoment, 5.0e-3f);
-}
-
 /// The passes of a scene, one after another, on both. Patches go on as the processor finds them.
 class BothPasses {
 public:
     BothPasses(Scene scene, int page, const IntegrationSettings& settings, const std::shared_ptr<BakeDevice>& device)
         : settings_(settings), bench_(std::move(scene), MixedLightingMode::Shadowmask, page, settings),
-          pattern_(settings.seed),
-          cpu_(bench_.scene, bench_.geometry, LightUse::Bake, bouncesOf(settings), embreeKernels()),
-          gpu_(bench_.scene, bench_.geometry, LightUse::Bake, bouncesOf(settings),
-               [&](const RayScene& of) { return std::make_unique<GpuKernels>(device, of, embreeKernels()(of)); }),
+          pattern_(settings.seed), cpu_(bench_.scene, bench_.geometry, LightUse::Bake, bouncesOf(settings),
+                                        embreeKernels(), settings.components),
+          gpu_(
+              bench_.scene, bench_.geometry, LightUse::Bake, bouncesOf(settings),
+              [&](const RayScene& of) { return std::make_unique<GpuKernels>(device, of, embreeKernels()(of)); },
+              settings.components),
           patches_(cpu_.surfaces(), bench_.map), onCpu_{cpu_, bench_.map, pattern_, settings_}, onGpu_{gpu_, bench_.map,
                                                                                                        pattern_,
                                                                                                        settings_}
@@ -156,6 +129,7 @@ private:
             compare(a[r], b[r]);
             keep(b[r].links);
             keep(b[r].samples);
+            keep(b[r].components);
         }
         for (const FormFactorRange& range : a) {
             for (const PatchId patch : range.links) patches_.state[patch].hit = true;
@@ -203,6 +177,14 @@ private:
                                            isOther(s.albedo, t.albedo) || isOther(s.lobes, t.lobes)
                                        ? 1
                                        : 0;
+            const auto count = std::size_t(settings_.components.count);
+            for (std::size_t c = i * count; c < (i + 1) * count; ++c) {
+                const ComponentSamples none;
+                const ComponentSamples& ofA = c < a.components.size() ? a.components[c] : none;
+                const ComponentSamples& ofB = c < b.components.size() ? b.components[c] : none;
+                found_.parts += isOther(ofA, none) ? 1 : 0;
+                found_.otherParts += isOther(ofA, ofB) ? 1 : 0;
+            }
             const auto light = [](const PatchSamples& of) { return double(luminance(of.gathered + of.direct)); };
             found_.light += light(s);
             found_.lightDifference += light(t) - light(s);
@@ -249,9 +231,9 @@ void expectSame(const BothPasses& passes, const char* name)
 {
     const Differences& d = passes.differences();
     std::cout << "    " << name << ": " << d.otherOccluded << " of " << d.occluded << " occluded patches, "
-              << d.otherLinks << " of " << d.links << " links and " << d.otherSamples << " of " << d.samples
-              << " sums differ, light by " << 100.0 * d.lightDifference / d.light << " %, rays " << d.raysOfCpu
-              << " and " << d.raysOfGpu << "\n";
+              << d.otherLinks << " of " << d.links << " links, " << d.otherSamples << " of " << d.samples << " and "
+              << d.otherParts << " of " << d.parts << " sums of components differ, light by "
+              << 100.0 * d.lightDifference / d.light << " %, rays " << d.raysOfCpu << " and " << d.raysOfGpu << "\n";
     EXPECT_GT(d.links, 1000u);
     EXPECT_GT(d.light, 0.0);
     EXPECT_LE(d.otherOccluded, std::max<std::size_t>(d.occluded / 200, 2));
@@ -314,6 +296,34 @@ TEST_F(DeviceRadiosityS35, LinksTakeTheColorOfGlass)
     passes.run(kAll);
     expectSame(passes, "glass");
     EXPECT_GT(passes.differences().tints, 1000u);
+}
+
+/// Light by component: a lamp in the rest, a sun, a panel, a wall that glows and a gradient whose colours are of
+/// different components; then as many components as there may be, so that calls have fewer items.
+TEST_F(DeviceRadiosityS6, LightOfComponentsS33)
+{
+    Scene scene = roomWithWallAndLeaves(true, true, true);
+    IntegrationSettings settings = settingsOf();
+    settings.components = {6, {1, 0}, std::vector<int>(scene.materials.size()), {3, 4, 5}};
+    settings.components.ofMaterial[2] = 2;
+    settings.components.ofMaterial[1] = 3;
+    scene.materials[1].emissiveNits = vec3(0.5f, 0.2f, 0.1f);
+    BothPasses few(scene, 64, settings, device);
+    few.run(kAll);
+    expectSame(few, "six components");
+    EXPECT_GT(few.differences().parts, 3 * few.differences().samples);
+    EXPECT_LE(few.differences().otherParts, few.differences().parts / 100);
+    for (int i = 0; i < 15; ++i) {
+        scene.lights.push_back(pointAt("lamp", vec3(-0.7f + 0.1f * float(i), 1.7f, 0.5f), 0.0f, 1.0f));
+        settings.components.ofLight.push_back(i + 2);
+    }
+    settings.components.count = 17;
+    settings.components.ofSky = {1, 1, 1};
+    BothPasses many(scene, 64, settings, device);
+    many.run(kAll);
+    expectSame(many, "seventeen components");
+    EXPECT_GT(many.differences().parts, 10 * many.differences().samples);
+    EXPECT_LE(many.differences().otherParts, many.differences().parts / 100);
 }
 
 /// Turned, stretched and mirrored instances.

@@ -59,6 +59,7 @@ BakeSettings settingsOf(uint32_t seed, int lightmapSize, IntegratorKind kind)
 /// What is compared of a bake: means of blocks of the pages, and probes.
 struct Values {
     std::vector<double> light;  ///< lux
+    std::vector<double> groups; ///< the same of light groups
     std::vector<double> masks;  ///< 0 to 1
     std::vector<double> probes; ///< mean radiance, nits
 };
@@ -84,6 +85,10 @@ Values valuesOf(const BakeResult& result)
     for (const ImageRgb32f& page : result.irradiance)
         addBlocks(
             page, [](vec3 texel) { return luminance(texel); }, values.light);
+    for (const std::vector<ImageRgb32f>& group : result.groupIrradiance)
+        for (const ImageRgb32f& page : group)
+            addBlocks(
+                page, [](vec3 texel) { return luminance(texel); }, values.groups);
     for (const ImageRgba8& page : result.baked.shadowmasks)
         for (int channel = 0; channel < 4; ++channel)
             addBlocks(
@@ -146,6 +151,7 @@ TEST_P(WholeBakesS6, HaveTheProcessorsLight)
     const Result<Scene> scene = readScene(file);
     ASSERT_TRUE(scene) << scene.error().text();
     Pairs light{"light"};
+    Pairs groups{"groups"};
     Pairs masks{"masks"};
     Pairs probes{"probes"};
     int size = kind == IntegratorKind::Path ? 64 : 128; // of pages; a path takes four times as long as a sample
@@ -162,12 +168,14 @@ TEST_P(WholeBakesS6, HaveTheProcessorsLight)
         const Values a = valuesOf(*cpu);
         const Values b = valuesOf(*gpu);
         light.add(a.light, b.light);
+        groups.add(a.groups, b.groups);
         masks.add(a.masks, b.masks);
         probes.add(a.probes, b.probes);
     }
     std::cout << nameOf({GetParam(), 0}) << "\n";
     constexpr double kRoundedLight = 1.0e-3;
     light.check(kRoundedLight);
+    if (!groups.differences.empty()) groups.check(kRoundedLight);
     // A ray along an edge may pass on one side alone, in one texel of a block, whatever the seed.
     masks.check(1.0 / double(kBlock * kBlock));
     probes.check(kRoundedLight);

@@ -12,7 +12,8 @@ bool isFinite(vec3 v)
 }
 
 // Illuminance beside which a texel's emitters are sampled, by block: the least that a component with emitters or a
-// bright sky has of itself, with the block and those before. It is kept in the blocks' shares. NextEvent::besideEmitters().
+// bright sky has of itself, with the block and those before. It is kept in the blocks' shares.
+// NextEvent::besideEmitters().
 void findLeastOfComponents(uint texel, GpuGatherRequest of)
 {
     const float ofHalf = 2.0 / float(kPatternBlock);

@@ -13,6 +13,7 @@ layout(buffer_reference, scalar) buffer PatchItems { GpuPatchItem at[]; };
 layout(buffer_reference, scalar) buffer PatchPoints { GpuPatchPoint at[]; };
 layout(buffer_reference, scalar) buffer FactorRays { GpuFactorRay at[]; };
 layout(buffer_reference, scalar) buffer DirectSamples { GpuDirectSample at[]; };
+layout(buffer_reference, scalar) buffer LightParts { GpuLightPart at[]; };
 
 // RadiosityLists of src/bake_gpu/radiosity/radiosity.cpp: a pass, and what one call works on, in the place of the
 // gather's lists.
@@ -31,6 +32,8 @@ layout(buffer_reference, scalar) buffer RadiosityLists
     DirectSamples direct;
     Words found;  // a bit for each patch and element that an occluder crosses
     Words counts; // of rays
+    Words emitters;   // by ray: component of the emitter that it hits
+    LightParts parts; // by light sample
     uint itemCount;
     GpuRadiosityPass pass;
 };

@@ -17,6 +17,7 @@ using namespace shading;
 
 static_assert(sizeof(DeviceRadiosity::FactorRay) == sizeof(GpuFactorRay));
 static_assert(sizeof(DeviceRadiosity::DirectSample) == sizeof(GpuDirectSample));
+static_assert(sizeof(DeviceRadiosity::LightPart) == sizeof(GpuLightPart));
 static_assert(sizeof(RimPoint) == sizeof(GpuRimPoint) && sizeof(RimPoints) == sizeof(GpuRadiosityPass::rim));
 static_assert(DeviceRadiosity::kNearBit == kFactorNear && DeviceRadiosity::kLeaves == kFactorLeaves &&
               DeviceRadiosity::kOpen == kFactorOpen);
@@ -27,7 +28,7 @@ static_assert(uint32_t(PassKind::Fronts) == kFrontsPass && uint32_t(PassKind::El
 /// RadiosityLists in shaders/bake/radiosity/radiosity.glsl.
 struct RadiosityLists {
     VkDeviceAddress mapTexels, fragments, requests, items, points, states, elements, widths, rays, tints, direct, found,
-        counts;
+        counts, emitters, parts;
     uint32_t itemCount;
     GpuRadiosityPass pass;
 };
@@ -45,6 +46,15 @@ FormFactorEffort mostEffort(const RadiosityInput& input, int patchShift)
         most.direct = std::max(most.direct, effort.direct);
     }
     return most;
+}
+
+/// Items of a call whose light samples have parts: these take 64 MiB at most, unless one range takes more.
+std::size_t mostItemsOf(int direct, std::size_t parts)
+{
+    constexpr std::size_t kMostBytes = std::size_t(64) << 20;
+    if (parts == 0) return DeviceRadiosity::kMostItems;
+    const std::size_t bytes = kRangeItems * std::size_t(direct) * parts * sizeof(GpuLightPart);
+    return std::clamp<std::size_t>(kMostBytes / bytes * kRangeItems, kRangeItems, DeviceRadiosity::kMostItems);
 }
 
 /// Widths of texels on triangles that rays hit; of triangles without texels, their longest edge.
@@ -81,15 +91,35 @@ struct GpuRadiosity::Workspace {
         direct = {device, directBytes, gpu::kAddressed, gpu::MemoryUse::Device};
         raysRead = {device, rayBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
         directRead = {device, directBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
-        if (!tinted) return;
-        const std::size_t tintBytes = items * std::size_t(most.rays) * sizeof(vec3);
-        tints = {device, tintBytes, gpu::kAddressed, gpu::MemoryUse::Device};
-        tintsRead = {device, tintBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+        if (tinted) {
+            const std::size_t tintBytes = items * std::size_t(most.rays) * sizeof(vec3);
+            tints = {device, tintBytes, gpu::kAddressed, gpu::MemoryUse::Device};
+            tintsRead = {device, tintBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+        }
+        if (const std::size_t ofSample = partsOf(input.paths.light()); ofSample > 0)
+            addParts(device, input, layout, items, ofSample, items * std::size_t(most.rays));
+    }
+    /// What components need.
+    void addParts(gpu::Device& device, const RadiosityInput& input, const PatchLayout& layout, std::size_t items,
+                  std::size_t ofSample, std::size_t mostRays)
+    {
+        std::size_t bytes = 0;
+        for (const PassKind kind : {PassKind::Fronts, PassKind::Elements}) {
+            const int direct = effortOf(input.settings, kind, layout.patchShift).direct;
+            const std::size_t most = std::min(items, mostItemsOf(direct, ofSample));
+            bytes = std::max(bytes, most * std::size_t(direct) * ofSample * sizeof(LightPart));
+        }
+        parts = {device, bytes, gpu::kAddressed, gpu::MemoryUse::Device};
+        partsRead = {device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+        const std::size_t words = mostRays * sizeof(uint32_t);
+        emitters = {device, words, gpu::kAddressed, gpu::MemoryUse::Device};
+        emittersRead = {device, words, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
     }
     TexelLists texels;
     gpu::Buffer requests, lists, listsOnDevice, items, points;
     gpu::Buffer rays, direct, raysRead, directRead;
-    gpu::Buffer tints, tintsRead; ///< empty where no glass has a colour
+    gpu::Buffer tints, tintsRead;                         ///< empty where no glass has a colour
+    gpu::Buffer emitters, parts, emittersRead, partsRead; ///< empty where light is estimated as one
 };
 
 GpuRadiosity::~GpuRadiosity() = default;
@@ -137,9 +167,16 @@ void GpuRadiosity::setPass(const PatchPass& pass)
     const std::vector<PatchState>& state = pass.patches().state;
     const FormFactorEffort effort = effortOf(pass);
     pass_ = &pass;
-    constants_ = {uint32_t(pass.kind()), seedOfFactors(pass), layout.patchCount(),
-                  uint32_t(kRangeItems), effort.blocks(),     effort.strata(),
-                  effort.direct,         kLineLift,           {}};
+    constants_ = {uint32_t(pass.kind()),
+                  seedOfFactors(pass),
+                  layout.patchCount(),
+                  uint32_t(kRangeItems),
+                  effort.blocks(),
+                  effort.strata(),
+                  effort.direct,
+                  uint32_t(partsOf(input_.paths.light())),
+                  kLineLift,
+                  {}};
     std::memcpy(constants_.rim, rimPoints().data(), sizeof(constants_.rim));
     const auto grow = [&](gpu::Buffer& buffer, std::size_t bytes, gpu::MemoryUse use) {
         if (buffer.size() >= bytes) return false;
@@ -195,6 +232,8 @@ void GpuRadiosity::setItems(std::span<const uint32_t> items)
                                w.direct.address(),
                                pass.tally.address() + sizeof(uint32_t),
                                pass.tally.address(),
+                               w.emitters.address(),
+                               w.parts.address(),
                                uint32_t(items.size()),
                                constants_};
     std::memcpy(w.lists.mapped(), &lists, sizeof(lists));
@@ -246,16 +285,28 @@ Status GpuRadiosity::findOccluded(std::span<const uint32_t> items, std::vector<P
     return {};
 }
 
+std::size_t GpuRadiosity::mostItems() const
+{
+    return mostItemsOf(constants_.direct, constants_.parts);
+}
+
 Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uint64_t& rays)
 {
     const auto count = uint32_t(items.size());
     const auto raysOfItem = uint32_t(constants_.blocks * constants_.strata);
     const auto directOfItem = uint32_t(constants_.direct);
     const Workspace& w = *workspace_;
-    const std::span traced(reinterpret_cast<const FactorRay*>(w.raysRead.mapped()), items.size() * raysOfItem);
-    const std::span direct(reinterpret_cast<const DirectSample*>(w.directRead.mapped()), items.size() * directOfItem);
-    const std::span tints(reinterpret_cast<const vec3*>(scene_.tinted() ? w.tintsRead.mapped() : nullptr),
-                          scene_.tinted() ? traced.size() : 0);
+    Traced traced{{reinterpret_cast<const FactorRay*>(w.raysRead.mapped()), items.size() * raysOfItem},
+                  {reinterpret_cast<const DirectSample*>(w.directRead.mapped()), items.size() * directOfItem},
+                  {},
+                  {},
+                  {}};
+    if (scene_.tinted()) traced.tints = {reinterpret_cast<const vec3*>(w.tintsRead.mapped()), traced.rays.size()};
+    if (constants_.parts > 0) {
+        traced.emitters = {reinterpret_cast<const uint32_t*>(w.emittersRead.mapped()), traced.rays.size()};
+        traced.parts = {reinterpret_cast<const LightPart*>(w.partsRead.mapped()),
+                        traced.direct.size() * constants_.parts};
+    }
     try {
         setItems(items);
         const auto launch = [&](VkCommandBuffer commands, std::span<const std::byte> push) {
@@ -263,10 +314,14 @@ Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uin
             pipelines_.direct.run(commands, push, raysOfChunks(count, directOfItem));
         };
         run(items.size(), launch, [&](VkCommandBuffer commands) {
-            gpu::copyBytes(device_.device(), commands, {w.rays}, {w.raysRead}, traced.size_bytes());
-            gpu::copyBytes(device_.device(), commands, {w.direct}, {w.directRead}, direct.size_bytes());
-            if (!tints.empty())
-                gpu::copyBytes(device_.device(), commands, {w.tints}, {w.tintsRead}, tints.size_bytes());
+            const auto copy = [&](const gpu::Buffer& from, const gpu::Buffer& to, const auto& list) {
+                if (!list.empty()) gpu::copyBytes(device_.device(), commands, {from}, {to}, list.size_bytes());
+            };
+            copy(w.rays, w.raysRead, traced.rays);
+            copy(w.direct, w.directRead, traced.direct);
+            copy(w.tints, w.tintsRead, traced.tints);
+            copy(w.emitters, w.emittersRead, traced.emitters);
+            copy(w.parts, w.partsRead, traced.parts);
         });
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
@@ -275,7 +330,7 @@ Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uin
     const auto active = std::count_if(items.begin(), items.end(),
                                       [&](uint32_t item) { return all || input_.map.texels[item].validPoints != 0; });
     rays += tallied()[0] + uint64_t(active) * raysOfItem;
-    use({traced, tints, direct});
+    use(traced);
     return {};
 }
 

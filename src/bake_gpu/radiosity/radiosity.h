@@ -23,6 +23,7 @@ public:
     Status begin(const PatchPass& pass) override;
     Status findOccluded(std::span<const uint32_t> items, std::vector<PatchId>& found, uint64_t& rays) override;
     Status gather(std::span<const uint32_t> items, const Use& use, uint64_t& rays) override;
+    [[nodiscard]] std::size_t mostItems() const override;
 
 private:
     struct Workspace;

@@ -34,6 +34,7 @@ struct GpuRadiosityPass {
     int blocks; // of form-factor rays
     int strata; // of each of them
     int direct; // light samples
+    uint parts; // DeviceRadiosity::partsOf()
     float lineLift;
     GpuRimPoint rim[7];
 };
@@ -76,6 +77,15 @@ struct GpuDirectSample {
     vec3 irradiance;
     vec3 albedo;
     LobeSums lobes;
+};
+
+// [DeviceRadiosity::LightPart]
+struct GpuLightPart {
+    uint component;
+    vec3 irradiance;
+    vec3 exitance;
+    float sampledExitance;
+    vec3 sampledMoment;
 };
 
 HL_CONST uint kOccluderTargets = 8u; // OccluderSearch::kTargets

@@ -68,7 +68,6 @@ private:
     [[nodiscard]] Status outcome() const { return input_.paths.surfaces().outcome(!progress_.cancelled()); }
     Status prepareDevice()
     {
-        if (input_.paths.light().components() > 0) return {};
         auto device = input_.paths.surfaces().kernels().prepareRadiosity(input_, patches_.layout);
         if (!device) return device.error();
         device_ = std::move(*device);

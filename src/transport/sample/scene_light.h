@@ -48,13 +48,16 @@ public:
     /// colours may be of three.
     template<typename Visit> void splitSky(vec3 direction, vec3 radiance, Visit visit) const
     {
+        if (splitsSky())
+            splitShares(shading::skyRadiance(vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1), direction), visit);
+        else
+            visit(components_.ofSky[0], radiance);
+    }
+    /// The same of shares of the zenith, the horizon and the ground.
+    template<typename Visit> void splitShares(vec3 shares, Visit visit) const
+    {
         const auto [zenith, horizon, ground] = components_.ofSky;
-        if (!splitsSky()) {
-            visit(zenith, radiance);
-            return;
-        }
         const Sky& colors = sky_.sky();
-        const vec3 shares = shading::skyRadiance(vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1), direction);
         visit(zenith, shares.x * colors.zenith);
         visit(horizon, shares.y * colors.horizon);
         visit(ground, shares.z * colors.ground);
