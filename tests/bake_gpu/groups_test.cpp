@@ -3,7 +3,7 @@
 
 #include "bake/test_room.h"
 #include "bake/test_sky.h"
-#include "bake_gpu/court.h"
+#include "bake_gpu/glass_court.h"
 #include "bake_gpu/same_light.h"
 
 #include "halflight/scene/light_groups.h"
@@ -88,6 +88,18 @@ void expectSameOfBoth(const Scene& scene, int page, const std::shared_ptr<BakeDe
 TEST_F(DeviceGroupsS33, RoomsHaveTheProcessorsLight)
 {
     const Scene scene = room(true, true, true);
+    LightComponents components = componentsOf(scene, 6);
+    components.ofLight = {1, 0};
+    components.ofMaterial[2] = 2;
+    components.ofSky = {3, 4, 5};
+    expectSameOfBoth(scene, 64, device, settingsOf(components));
+}
+
+/// The same with a pane in the room's middle. All light that passes it takes its colour, in each component.
+TEST_F(DeviceGroupsS33, LightThroughColoredGlassS35)
+{
+    Scene scene = room(true, true, true);
+    addRectangle(scene, {vec3(-0.2f, 0.1f, 0.9f), vec3(0.3f, 0, -1.6f), vec3(0, 1.5f, 0)}, addClearGlass(scene), 64);
     LightComponents components = componentsOf(scene, 6);
     components.ofLight = {1, 0};
     components.ofMaterial[2] = 2;

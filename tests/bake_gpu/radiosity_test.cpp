@@ -5,6 +5,7 @@
 #include "bake/test_room.h"
 #include "bake/test_sky.h"
 #include "bake_cpu/trace/embree_kernels.h"
+#include "bake_gpu/glass_court.h"
 #include "bake_gpu/kernels.h"
 #include "bake_gpu/radiosity_differences.h"
 #include "bake_gpu/test_device.h"
@@ -324,6 +325,21 @@ TEST_F(DeviceRadiosityS6, LightOfComponentsS33)
     expectSame(many, "seventeen components");
     EXPECT_GT(many.differences().parts, 10 * many.differences().samples);
     EXPECT_LE(many.differences().otherParts, many.differences().parts / 100);
+}
+
+/// A gradient whose colours are of different components, through a pane with a colour.
+TEST_F(DeviceRadiosityS35, LightOfComponentsS33)
+{
+    Scene scene = roomWithWallAndLeaves(true, true, true);
+    addRectangle(scene, {vec3(-0.2f, 0.1f, 0.9f), vec3(0.3f, 0, -1.6f), vec3(0, 1.5f, 0)}, addClearGlass(scene), 64);
+    IntegrationSettings settings = settingsOf();
+    settings.components = {6, {1, 0}, std::vector<int>(scene.materials.size()), {3, 4, 5}};
+    settings.components.ofMaterial[2] = 2;
+    BothPasses passes(scene, 64, settings, device);
+    passes.run(kAll);
+    expectSame(passes, "six components and glass");
+    EXPECT_LE(passes.differences().otherParts, passes.differences().parts / 100);
+    EXPECT_GT(passes.differences().tints, 1000u);
 }
 
 /// Turned, stretched and mirrored instances.
