@@ -9,7 +9,6 @@
 #include "bake_gpu/kernels.h"
 #include "bake_gpu/radiosity_differences.h"
 #include "bake_gpu/test_device.h"
-#include "transport/glass_scene.h"
 #include "transport/radiosity/build.h"
 #include "transport/radiosity/device_passes.h"
 #include "transport/radiosity/split_patches.h"
@@ -284,15 +283,11 @@ TEST_F(DeviceRadiosityS6, DiffuseBouncesAndManySamples)
 
 using DeviceRadiosityS35 = BakeDeviceTest;
 
+/// All rays pass: chance would differ with the last bits of rays, as it does between processor and GPU.
 TEST_F(DeviceRadiosityS35, LinksTakeTheColorOfGlass)
 {
     Scene scene = roomWithWallAndLeaves(true, true, true);
-    addRectangle(scene, {vec3(-0.2f, 0.1f, 0.9f), vec3(0.3f, 0, -1.6f), vec3(0, 1.5f, 0)},
-                 glass::addGlassMaterial(scene, glass::Glass::Quad), 64);
-    const std::size_t first = scene.objects.size();
-    addBox(scene, vec3(-0.8f, 0.5f, -0.8f), vec3(-0.5f, 1.3f, -0.4f), glass::addGlassMaterial(scene, glass::Glass::Box),
-           false);
-    joinObjects(scene, first);
+    addRectangle(scene, {vec3(-0.2f, 0.1f, 0.9f), vec3(0.3f, 0, -1.6f), vec3(0, 1.5f, 0)}, addClearGlass(scene), 64);
     BothPasses passes(scene, 64, settingsOf(), device);
     passes.run(kAll);
     expectSame(passes, "glass");
@@ -314,8 +309,8 @@ TEST_F(DeviceRadiosityS6, LightOfComponentsS33)
     expectSame(few, "six components");
     EXPECT_GT(few.differences().parts, 3 * few.differences().samples);
     EXPECT_LE(few.differences().otherParts, few.differences().parts / 100);
-    for (int i = 0; i < 15; ++i) {
-        scene.lights.push_back(pointAt("lamp", vec3(-0.7f + 0.1f * float(i), 1.7f, 0.5f), 0.0f, 1.0f));
+    for (int i = 0; i < 15; ++i) { // in the plane of no face, where rounding decides whether there is light
+        scene.lights.push_back(pointAt("lamp", vec3(-0.73f + 0.1f * float(i), 1.7f, 0.5f), 0.0f, 1.0f));
         settings.components.ofLight.push_back(i + 2);
     }
     settings.components.count = 17;
