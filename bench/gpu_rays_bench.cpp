@@ -65,7 +65,7 @@ std::vector<Ray> gatherRays(const Prepared& p, const RayTracer& tracer, bool sha
 
 /// Seconds of one launch, without the copies.
 template<typename Verb>
-double launchSeconds(BakeDevice& bake, const GpuScene& scene, const Verb& verb, const std::vector<Ray>& rays)
+double launchSeconds(BakeDevice& bake, const DeviceScene& scene, const Verb& verb, const std::vector<Ray>& rays)
 {
     gpu::Device& device = bake.device();
     const gpu::Buffer input = bufferOf(device, rays);
@@ -83,7 +83,7 @@ void measure(const std::shared_ptr<BakeDevice>& device, const std::string& name,
     const RayTracer cpu(p.scene, p.geometry, embreeKernels());
     const double cpuBuild = wallSeconds() - begin;
     begin = wallSeconds();
-    const GpuScene scene(device->device(), cpu);
+    const DeviceScene scene(device->device(), cpu);
     const double gpuBuild = wallSeconds() - begin;
     const RayTracer gpu(p.scene, p.geometry, [&](const RayScene& of) {
         return std::make_unique<GpuKernels>(device, of, embreeKernels()(of));

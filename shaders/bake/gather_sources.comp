@@ -37,7 +37,7 @@ Source chooseSource(GpuSourceGuide guide, vec2 u)
     float probability = guide.sharedCount > 0u ? probabilityOf(guide, entry.cluster) : entry.probability;
     GpuCluster cluster = push.tables.clusters.at[entry.cluster];
     if (cluster.triangleCount == 0u) return source;
-    // LightClusters::choosePoint().
+    // SourceClusters::choosePoint().
     float at = u.x * float(cluster.triangleCount);
     uint bin = min(uint(at), cluster.triangleCount - 1u);
     u.x = at - float(bin);

@@ -32,7 +32,7 @@ layout(buffer_reference, scalar) buffer Pictures { GpuBytes at[]; };
 layout(buffer_reference, scalar) buffer GlassList { GpuGlass at[]; };
 layout(buffer_reference, scalar) buffer GlassTriangles { GpuGlassTriangle at[]; };
 
-// GpuScene::Addresses.
+// DeviceScene::Addresses.
 layout(buffer_reference, scalar) buffer SceneData
 {
     uvec2 tree;

@@ -5,7 +5,7 @@
 #include "scene.glsl"
 
 layout(buffer_reference, scalar) buffer Corners { uvec3 at[]; };
-layout(buffer_reference, scalar) buffer Frames { GpuFrame at[]; };
+layout(buffer_reference, scalar) buffer Frames { GpuTriangleFrame at[]; };
 layout(buffer_reference, scalar) buffer Instances { GpuInstance at[]; };
 
 // SurfaceAddresses of src/bake_gpu/gpu_surfaces.cpp: the stored triangles, and where they are placed.

@@ -9,7 +9,7 @@ namespace {
 
 using shading::GpuInstance;
 
-static_assert(sizeof(BakeGeometry::Frame) == sizeof(shading::GpuFrame));
+static_assert(sizeof(BakeGeometry::Frame) == sizeof(shading::GpuTriangleFrame));
 
 /// SurfaceData in shaders/bake/texels.glsl.
 struct SurfaceAddresses {
@@ -40,7 +40,7 @@ VkDeviceAddress GpuSurfaces::upload(gpu::Device& device, std::size_t count, cons
     return buffers_.back().address();
 }
 
-GpuSurfaces::GpuSurfaces(gpu::Device& device, const GpuScene& scene, const BakeGeometry& geometry)
+GpuSurfaces::GpuSurfaces(gpu::Device& device, const DeviceScene& scene, const BakeGeometry& geometry)
 {
     const auto copy = [&](const auto& list) {
         using T = typename std::decay_t<decltype(list)>::value_type;

@@ -1,7 +1,7 @@
 #pragma once
 // The triangles that texels lie on, in a device's memory.
 
-#include "bake_gpu/gpu_scene.h"
+#include "bake_gpu/device_scene.h"
 
 #include "halflight/bake/integrator.h"
 
@@ -12,7 +12,7 @@ namespace halflight {
 class GpuSurfaces {
 public:
     /// Throws gpu::Failure. All arguments outlive it.
-    GpuSurfaces(gpu::Device& device, const GpuScene& scene, const BakeGeometry& geometry);
+    GpuSurfaces(gpu::Device& device, const DeviceScene& scene, const BakeGeometry& geometry);
 
     /// Of the block of addresses that shaders read (SurfaceData in shaders/bake/texels.glsl).
     [[nodiscard]] VkDeviceAddress address() const { return addresses_.address(); }

@@ -124,7 +124,7 @@ struct GpuInstance {
     uint mirrored;
 };
 // [BakeGeometry::Frame]
-struct GpuFrame {
+struct GpuTriangleFrame {
     vec3 normal;
     float texelMeters;
 };

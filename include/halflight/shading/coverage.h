@@ -62,9 +62,8 @@ HL_CONST float kEndlessRay = 1.0e30f;
 HL_FN vec3 glassLeaves(vec3 passed, vec3 way, vec3 inside, float end)
 {
     if (end < kEndlessRay) way += max(inside, vec3(0.0f)) * end;
-    for (int c = 0; c < 3; ++c)
-        if (way[c] > 0.0f) passed[c] *= exp(-way[c]);
-    return passed;
+    vec3 lost = max(way, vec3(0.0f));
+    return passed * vec3(exp(-lost.x), exp(-lost.y), exp(-lost.z));
 }
 
 HL_NAMESPACE_END

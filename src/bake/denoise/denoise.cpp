@@ -240,9 +240,9 @@ void filterTexel(const Level& level, uint32_t i, std::span<const Signals> in, st
     for (std::size_t c = 0; c < in.size(); ++c) filterLight(around, in[c], i, out[c]);
 }
 
-std::vector<Guide> guidesOf(const DenoiserTexels& texels)
+std::vector<DenoiseGuide> guidesOf(const DenoiserTexels& texels)
 {
-    std::vector<Guide> guides = largeVector<Guide>(texels.valid.size());
+    std::vector<DenoiseGuide> guides = largeVector<DenoiseGuide>(texels.valid.size());
     forEachIndex(guides.size(), [&](std::size_t i) {
         guides[i] = {placeOf(texels.geometry, texels.map, texels.map.texels[i]), texels.valid[i] != 0};
     });
@@ -277,7 +277,7 @@ void writeTo(std::vector<IrradianceEstimate>& estimates, const Signals& signals)
 void denoiseComponents(const DenoiserTexels& texels, std::span<Signals> components)
 {
     clampSignals(texels, components);
-    const std::vector<Guide> guides = guidesOf(texels);
+    const std::vector<DenoiseGuide> guides = guidesOf(texels);
     std::vector<Signals> next(components.size());
     for (std::size_t c = 0; c < next.size(); ++c) {
         next[c].gathered = largeVector<NoisyLight>(guides.size());

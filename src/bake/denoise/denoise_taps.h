@@ -22,7 +22,7 @@ constexpr int kPaddedTaps = 28; ///< a multiple of the vectors' width; taps from
 
 using TapFloats = std::array<float, kPaddedTaps>; ///< a value of each tap
 
-struct Guide {
+struct DenoiseGuide {
     TexelPlace place;
     bool valid = false;
 };
@@ -30,7 +30,7 @@ struct Guide {
 /// One level of the filter: the places of its taps, by texel.
 struct Level {
     const SurfaceGrid& grid;
-    std::span<const Guide> guides;
+    std::span<const DenoiseGuide> guides;
     int number = 0; ///< taps are 2^number texels apart
 
     [[nodiscard]] int step() const { return 1 << number; }
@@ -43,7 +43,7 @@ inline bool isValid(const Level& level, uint32_t texel)
 /// The place alone.
 inline shading::Tap tapOn(const Level& level, uint32_t texel)
 {
-    const Guide& guide = level.guides[texel];
+    const DenoiseGuide& guide = level.guides[texel];
     shading::Tap tap = shading::noTap();
     tap.valid = guide.valid;
     tap.position = guide.place.position;

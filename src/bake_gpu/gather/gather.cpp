@@ -20,10 +20,10 @@ static_assert(sizeof(DeviceGather::Block) == sizeof(GpuBlock) && sizeof(DeviceGa
 static_assert(sizeof(DeviceGather::Halves) == sizeof(GpuHalves));
 static_assert(sizeof(PatchLayout::Surface) == sizeof(GpuSurface) && sizeof(PatchLayout::Elements) == sizeof(uint32_t));
 static_assert(sizeof(PatchRadiance) == sizeof(GpuPatch) && sizeof(Guide) == sizeof(GpuSourceGuide));
-static_assert(sizeof(Guides::Entry) == sizeof(GpuEntry) && sizeof(LightClusters::Cluster) == sizeof(GpuCluster));
-static_assert(sizeof(LightClusters::SourceTriangle) == sizeof(GpuSourceTriangle));
+static_assert(sizeof(Guides::Entry) == sizeof(GpuEntry) && sizeof(SourceClusters::Cluster) == sizeof(GpuCluster));
+static_assert(sizeof(SourceClusters::SourceTriangle) == sizeof(GpuSourceTriangle));
 static_assert(sizeof(ComponentRadiance) == sizeof(GpuComponentLight));
-static_assert(sizeof(AliasBin) == sizeof(GpuAliasBin) && sizeof(LightClusters::Member) == sizeof(GpuMember));
+static_assert(sizeof(AliasBin) == sizeof(GpuAliasBin) && sizeof(SourceClusters::Member) == sizeof(GpuMember));
 
 /// Lists in shaders/bake/gather.glsl.
 struct Lists {
@@ -80,7 +80,7 @@ struct GpuGather::Workspace {
 
 GpuGather::~GpuGather() = default;
 
-GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables,
+GpuGather::GpuGather(BakeDevice& device, const DeviceScene& scene, const PathTables& pathTables,
                      const GatherTables& tables)
     : device_(device), scene_(scene), paths_(device.paths(scene.tinted())),
       emitters_(tables.paths.light().samplesEmission() ? &device.emitters() : nullptr),
@@ -95,7 +95,7 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables
     };
     const PatchLayout& layout = tables.cache.layout();
     const StratifiedPattern::Tables pattern = tables.pattern.tables();
-    const LightClusters& clusters = tables.guides.clusters();
+    const SourceClusters& clusters = tables.guides.clusters();
     GatherAddresses t = pathTables.ofScene();
     t.pattern = keep(pattern.points);
     t.radii = keep(pattern.radii);
@@ -116,7 +116,7 @@ GpuGather::GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables
     t.clusters = keep(clusters.clusters());
     t.triangles = keep(clusters.triangles());
     std::vector<uint32_t> masks;
-    for (const LightClusters::SourceTriangle& source : clusters.triangles())
+    for (const SourceClusters::SourceTriangle& source : clusters.triangles())
         masks.push_back(scene.maskedOf(source.face.hitIndex));
     t.sourceMasks = keep(masks);
     t.bins = keep(clusters.bins());

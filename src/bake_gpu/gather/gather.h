@@ -12,7 +12,7 @@ namespace halflight {
 class GpuGather final : public DeviceGather {
 public:
     /// Uploads the tables. Throws gpu::Failure. All but `tables` outlive it.
-    GpuGather(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const GatherTables& tables);
+    GpuGather(BakeDevice& device, const DeviceScene& scene, const PathTables& pathTables, const GatherTables& tables);
     ~GpuGather() override;
 
     Status gather(const TexelMap& map, const Batch& batch, const Light& out, uint64_t& rays) const override;
@@ -29,7 +29,7 @@ private:
     void sampleEmitters(VkCommandBuffer commands, std::size_t texels, std::size_t blocks) const;
 
     BakeDevice& device_;
-    const GpuScene& scene_;
+    const DeviceScene& scene_;
     const gpu::RayPipeline& paths_;
     const EmitterPipelines* emitters_;     ///< null: the scene has neither emitters nor a bright part of the sky
     const ComponentPipelines* components_; ///< null: light is estimated as one

@@ -106,7 +106,7 @@ HL_CONST uint kFirstElementBits = 0x3fffffffu;
 HL_CONST uint kHalfTexelElements = 0x40000000u;
 HL_CONST uint kSplit = 0x80000000u;
 
-// [Guide, Guides::Entry, LightClusters::Cluster, SourceTriangle, AliasBin, Member]
+// [Guide, Guides::Entry, SourceClusters::Cluster, SourceTriangle, AliasBin, Member]
 struct GpuSourceGuide {
     uint localFirst;
     uint localCount;

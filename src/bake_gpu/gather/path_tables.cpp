@@ -70,7 +70,8 @@ GpuPathMaterial pathMaterialOf(const BakeGeometry& geometry, const TransportMate
 
 PathTables::~PathTables() = default;
 
-PathTables::PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths)
+PathTables::PathTables(gpu::Device& device, const DeviceScene& scene, const GpuSurfaces& surfaces,
+                       const PathTracer& paths)
     : device_(device), glossy_(paths.glossy()), addresses_(std::make_unique<Addresses>())
 {
     ofScene_.scene = scene.address();
@@ -152,7 +153,7 @@ void PathTables::addSurfaces(const PathTracer& paths)
 }
 
 /// The triangles that rays hit, and those of them that emit.
-void PathTables::addFaces(const GpuScene& scene, const PathTracer& paths)
+void PathTables::addFaces(const DeviceScene& scene, const PathTracer& paths)
 {
     const RayTracer& surfaces = paths.surfaces();
     const BakeGeometry& geometry = surfaces.geometry();

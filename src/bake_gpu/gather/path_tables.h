@@ -26,7 +26,7 @@ struct TablesPush {
 class PathTables {
 public:
     /// Uploads what all paths of the scene read. Throws gpu::Failure. All arguments outlive it.
-    PathTables(gpu::Device& device, const GpuScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths);
+    PathTables(gpu::Device& device, const DeviceScene& scene, const GpuSurfaces& surfaces, const PathTracer& paths);
     ~PathTables();
 
     /// Of the tables in shaders/bake/gather.glsl what paths read: the scene, normals, the sky. The rest is zero.
@@ -44,7 +44,7 @@ private:
         return buffers_.back().address();
     }
     void addSurfaces(const PathTracer& paths);
-    void addFaces(const GpuScene& scene, const PathTracer& paths);
+    void addFaces(const DeviceScene& scene, const PathTracer& paths);
     void addPictures(const Materials& materials);
     void addLights(const SceneLight& light);
     void addChoosers(const SceneLight& light);

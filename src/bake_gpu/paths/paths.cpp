@@ -86,7 +86,7 @@ private:
 
 GpuPaths::~GpuPaths() = default;
 
-GpuPaths::GpuPaths(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const PathTracer& paths,
+GpuPaths::GpuPaths(BakeDevice& device, const DeviceScene& scene, const PathTables& pathTables, const PathTracer& paths,
                    int bounces)
     : device_(device), scene_(scene), pipeline_(device.paths(scene.tinted())),
       samplesEmission_(paths.light().samplesEmission()), components_(paths.light().components())

@@ -12,7 +12,7 @@ namespace halflight {
 class GpuPaths final : public DevicePaths {
 public:
     /// Uploads the tables. Throws gpu::Failure. All arguments outlive it.
-    GpuPaths(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const PathTracer& paths,
+    GpuPaths(BakeDevice& device, const DeviceScene& scene, const PathTables& pathTables, const PathTracer& paths,
              int bounces);
     ~GpuPaths() override;
 
@@ -24,7 +24,7 @@ private:
     void run(const Workspace& workspace, const Batch& batch) const;
 
     BakeDevice& device_;
-    const GpuScene& scene_;
+    const DeviceScene& scene_;
     const gpu::RayPipeline& pipeline_;
     bool samplesEmission_;             ///< SceneLight::samplesEmission()
     int components_;                   ///< SceneLight::components()

@@ -124,7 +124,7 @@ struct GpuRadiosity::Workspace {
 
 GpuRadiosity::~GpuRadiosity() = default;
 
-GpuRadiosity::GpuRadiosity(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables,
+GpuRadiosity::GpuRadiosity(BakeDevice& device, const DeviceScene& scene, const PathTables& pathTables,
                            const RadiosityInput& input, const PatchLayout& layout)
     : device_(device), scene_(scene), input_(input), pipelines_(device.radiosity(scene.tinted())),
       transfer_(device.device())

@@ -16,8 +16,8 @@ struct RadiosityPipelines;
 class GpuRadiosity final : public DeviceRadiosity {
 public:
     /// Uploads the tables. Throws gpu::Failure. All arguments outlive it, the layout until its last call.
-    GpuRadiosity(BakeDevice& device, const GpuScene& scene, const PathTables& pathTables, const RadiosityInput& input,
-                 const PatchLayout& layout);
+    GpuRadiosity(BakeDevice& device, const DeviceScene& scene, const PathTables& pathTables,
+                 const RadiosityInput& input, const PatchLayout& layout);
     ~GpuRadiosity() override;
 
     Status begin(const PatchPass& pass) override;
@@ -40,7 +40,7 @@ private:
     [[nodiscard]] std::span<const uint32_t> tallied() const;
 
     BakeDevice& device_;
-    const GpuScene& scene_;
+    const DeviceScene& scene_;
     const RadiosityInput& input_;
     const RadiosityPipelines& pipelines_;
     std::vector<gpu::Buffer> buffers_; ///< what the tables point to

@@ -89,7 +89,7 @@ struct GpuShadows::Workspace {
 
 GpuShadows::~GpuShadows() = default;
 
-GpuShadows::GpuShadows(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces,
+GpuShadows::GpuShadows(BakeDevice& device, const DeviceScene& scene, const GpuSurfaces& surfaces,
                        const ShadowTables& tables)
     : device_(device), scene_(scene), geometry_(tables.surfaces.geometry()), firstLight_(tables.lights.data()),
       anySmooth_(anySmoothTriangle(geometry_))

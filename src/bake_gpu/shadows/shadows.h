@@ -13,7 +13,7 @@ namespace halflight {
 class GpuShadows final : public DeviceShadows {
 public:
     /// Uploads the tables. Throws gpu::Failure. All but the tables outlive it.
-    GpuShadows(BakeDevice& device, const GpuScene& scene, const GpuSurfaces& surfaces, const ShadowTables& tables);
+    GpuShadows(BakeDevice& device, const DeviceScene& scene, const GpuSurfaces& surfaces, const ShadowTables& tables);
     ~GpuShadows() override;
 
     Status trace(const TexelMap& map, const Batch& batch, std::span<LitSum> sums, std::span<vec3> colors,
@@ -26,7 +26,7 @@ private:
     uint32_t traceItems(std::size_t itemCount) const;
 
     BakeDevice& device_;
-    const GpuScene& scene_;
+    const DeviceScene& scene_;
     const BakeGeometry& geometry_;
     const PunctualLight* firstLight_;  ///< of the scene
     bool anySmooth_ = false;           ///< some triangle's normals describe a curved surface

@@ -20,7 +20,7 @@ struct ValidityLists {
 
 } // namespace
 
-GpuValidity::GpuValidity(BakeDevice& device, const GpuScene& scene, bool anySolid)
+GpuValidity::GpuValidity(BakeDevice& device, const DeviceScene& scene, bool anySolid)
     : device_(device), scene_(scene), anySolid_(anySolid),
       texels_(device.device(), kMostTexels * sizeof(Texel), gpu::kAddressed, gpu::MemoryUse::Upload),
       masks_(device.device(), kMostTexels * sizeof(uint32_t), gpu::kAddressed, gpu::MemoryUse::Readback),

@@ -1,7 +1,7 @@
 #pragma once
 // Validity of sample points on a device: all rays of a texel in one invocation.
 
-#include "bake_gpu/gpu_scene.h"
+#include "bake_gpu/device_scene.h"
 #include "transport/texels/device_validity.h"
 
 namespace halflight {
@@ -9,7 +9,7 @@ namespace halflight {
 class GpuValidity final : public DeviceValidity {
 public:
     /// Throws gpu::Failure. `device` and `scene` outlive it.
-    GpuValidity(BakeDevice& device, const GpuScene& scene, bool anySolid);
+    GpuValidity(BakeDevice& device, const DeviceScene& scene, bool anySolid);
 
     Status validPoints(std::span<const Texel> texels, std::span<PointMask> masks, uint64_t& rays) const override;
 
@@ -20,7 +20,7 @@ private:
     static constexpr std::size_t kMostTexels = 32768;
 
     BakeDevice& device_;
-    const GpuScene& scene_;
+    const DeviceScene& scene_;
     bool anySolid_; ///< of the scene's triangles
     gpu::Buffer texels_;
     gpu::Buffer masks_;

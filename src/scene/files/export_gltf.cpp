@@ -166,7 +166,7 @@ private:
     }
 
     // Coordinates on the page.
-    Result<int> coordinates(int accessor, const Place& place)
+    Result<int> coordinates(int accessor, const ExportPlace& place)
     {
         if (place.scale == vec2(1.0f) && place.offset == vec2(0.0f)) return accessor;
         const auto [it, isNew] = coordinates_.try_emplace({accessor, place}, -1);
@@ -180,7 +180,7 @@ private:
     }
 
     // Points, lines and unlit surfaces stay as they are.
-    Result<Json> primitive(const Json& source, const Place& place)
+    Result<Json> primitive(const Json& source, const ExportPlace& place)
     {
         const Json& attributes = source["attributes"];
         const Json& lightmapUv = member(attributes, ("TEXCOORD_" + std::to_string(place.texCoord)).c_str());
@@ -213,7 +213,7 @@ private:
         return result;
     }
 
-    Result<int> meshFor(int mesh, const Place& place)
+    Result<int> meshFor(int mesh, const ExportPlace& place)
     {
         const auto [it, isNew] = meshes_.try_emplace({mesh, place}, -1);
         if (!isNew) return it->second;
@@ -235,7 +235,7 @@ private:
             report_.others.push_back(source.value("name", "node " + std::to_string(node)));
             return {};
         }
-        Place place;
+        ExportPlace place;
         place.texCoord = lightmap.value("texCoord", 1);
         place.skinned = source.contains("skin");
         if (lightmap.value("perInstance", false)) return exportInstances(node, place);
@@ -250,7 +250,7 @@ private:
     }
 
     // A child for each instance: instances of one mesh cannot have texels of their own in core glTF.
-    Status exportInstances(std::size_t node, const Place& shared)
+    Status exportInstances(std::size_t node, const ExportPlace& shared)
     {
         const Json source = source_.json["nodes"][node];
         const Json& attributes = member(extensionOf(source, "EXT_mesh_gpu_instancing"), "attributes");
@@ -267,7 +267,7 @@ private:
             pose.emplace(key, std::move(*view));
         }
         for (std::size_t i = 0; i < pages->count; ++i) {
-            Place place = shared;
+            ExportPlace place = shared;
             place.page = int(std::lround(pages->number(i, 0)));
             place.scale = {rectangles->number(i, 0), rectangles->number(i, 1)};
             place.offset = {rectangles->number(i, 2), rectangles->number(i, 3)};
@@ -338,8 +338,8 @@ private:
     std::map<int, const Material*> materialOf_; // by the source's materials
     std::vector<int> textures_;                 // by page
     std::map<std::tuple<int, Material::AlphaMode, bool>, int> materials_;
-    std::map<std::pair<int, Place>, int> meshes_;
-    std::map<std::pair<int, Place>, int> coordinates_;
+    std::map<std::pair<int, ExportPlace>, int> meshes_;
+    std::map<std::pair<int, ExportPlace>, int> coordinates_;
 };
 
 } // namespace

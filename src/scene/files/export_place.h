@@ -8,15 +8,15 @@
 
 namespace halflight {
 
-struct Place {
+struct ExportPlace {
     int page = 0;
     int texCoord = 1;
     vec2 scale{1.0f};
     vec2 offset{0.0f};
     bool skinned = false;
 
-    auto operator<=>(const Place& o) const { return key() <=> o.key(); }
-    bool operator==(const Place& o) const { return key() == o.key(); }
+    auto operator<=>(const ExportPlace& o) const { return key() <=> o.key(); }
+    bool operator==(const ExportPlace& o) const { return key() == o.key(); }
 
 private:
     [[nodiscard]] std::tuple<int, int, float, float, float, float, bool> key() const

@@ -207,7 +207,7 @@ private:
         });
         std::vector<uint32_t> timesHit(patches_.size());
         for (const Hit& h : hits) ++timesHit[h.patch];
-        guides_.clusters_ = LightClusters(patches_, timesHit, texelMeters);
+        guides_.clusters_ = SourceClusters(patches_, timesHit, texelMeters);
         std::size_t next = 0;
         for (std::size_t region = 0; region < grid_.regions.size(); ++region) {
             const std::size_t first = grid_.regions[region].firstHit = grid_.hits.size();

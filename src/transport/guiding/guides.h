@@ -1,7 +1,7 @@
 #pragma once
 // Guides: for each receiver a discrete distribution over light clusters.
 
-#include "transport/guiding/light_clusters.h"
+#include "transport/guiding/source_clusters.h"
 
 #include <span>
 #include <vector>
@@ -40,7 +40,7 @@ public:
     }
     /// Whether no source is sampled.
     [[nodiscard]] bool empty() const { return clusters_.empty(); }
-    [[nodiscard]] const LightClusters& clusters() const { return clusters_; }
+    [[nodiscard]] const SourceClusters& clusters() const { return clusters_; }
     /// Guide at a point of a front; without sources where there is none.
     [[nodiscard]] Guide guideAt(const PatchLayout& layout, const SurfacePoint& point) const;
 
@@ -69,7 +69,7 @@ private:
     [[nodiscard]] float probability(const Guide& guide, uint32_t cluster) const;
     [[nodiscard]] float probability(const GuideList& list, uint32_t cluster) const;
 
-    LightClusters clusters_;
+    SourceClusters clusters_;
     std::vector<uint32_t> guideOfPatch_; ///< ~0 = none
     std::vector<Guide> guides_;
     std::vector<Entry> entries_;

@@ -190,6 +190,11 @@ float hlLuminanceOf(vec3 color)
 {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
+float hlGrayOf(vec3 transmittance)
+{
+    bool gray = transmittance.x == transmittance.y && transmittance.x == transmittance.z;
+    return gray ? transmittance.x : hlLuminanceOf(transmittance);
+}
 const float hlMinHighlightElevation = 0.2;
 vec4 hlBakedHighlight(vec3 meanDirection, vec3 bakedNormal)
 {
@@ -608,5 +613,16 @@ float hlWayThroughPane(float thickness, vec3 normal, vec3 scaled, vec3 direction
 {
     float cosine = abs(dot(normal, direction)) / length(direction);
     return thickness * length(scaled) / max(cosine, 1.0e-4);
+}
+bool hlIsSamePlace(float a, float b)
+{
+    return abs(a - b) <= 1.0e-6 * b;
+}
+const float hlEndlessRay = 1.0e30;
+vec3 hlGlassLeaves(vec3 passed, vec3 way, vec3 inside, float end)
+{
+    if (end < hlEndlessRay) way += max(inside, vec3(0.0)) * end;
+    vec3 lost = max(way, vec3(0.0));
+    return passed * vec3(exp(-lost.x), exp(-lost.y), exp(-lost.z));
 }
 `;

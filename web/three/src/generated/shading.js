@@ -15,6 +15,7 @@ export const kLightDisk = 4;
 export const kReflectionLevels = 5;
 export const kNoCutoff = -3.0e38;
 export const kFaceTransmittance = 0.96;
+export const kEndlessRay = 1.0e30;
 export const kLeastSight = 0.002;
 export const kLeastSightDeviation = 0.005;
 const mix = (a, b, t) => a * (1 - t) + b * t;
@@ -139,6 +140,10 @@ export function isAreaLight(lightType) {
 export function coverageOf(alpha, cutoff, blended, glass) {
     if (alpha < cutoff) return 0.0;
     return (blended ? saturate(alpha) : 1.0) * (1.0 - glass);
+}
+/** @param {number} a @param {number} b @returns {boolean} */
+export function isSamePlace(a, b) {
+    return Math.abs(a - b) <= 1.0e-6 * b;
 }
 /** @param {{x: number, y: number, z: number}} d @returns {number} */
 export function octahedralX(d) {

@@ -297,6 +297,14 @@ export const hlLuminanceOf = /*@__PURE__*/ Fn( ( [ color ] ) => {
 
 }, { color: 'vec3', return: 'float' } );
 
+export const hlGrayOf = /*@__PURE__*/ Fn( ( [ transmittance ] ) => {
+
+	const gray = transmittance.x.equal( transmittance.y ).and( transmittance.x.equal( transmittance.z ) );
+
+	return select( gray, transmittance.x, hlLuminanceOf( transmittance ) );
+
+}, { transmittance: 'vec3', return: 'float' } );
+
 const hlMinHighlightElevation = float( 0.2 );
 
 export const hlBakedHighlight = /*@__PURE__*/ Fn( ( [ meanDirection, bakedNormal ] ) => {
@@ -878,3 +886,27 @@ export const hlWayThroughPane = /*@__PURE__*/ Fn( ( [ thickness, normal, scaled,
 	return thickness.mul( length( scaled ) ).div( max( cosine, float( 1.0e-4 ) ) );
 
 }, { thickness: 'float', normal: 'vec3', scaled: 'vec3', direction: 'vec3', return: 'float' } );
+
+export const hlIsSamePlace = /*@__PURE__*/ Fn( ( [ a, b ] ) => {
+
+	return abs( a.sub( b ) ).lessThanEqual( float( 1.0e-6 ).mul( b ) );
+
+}, { a: 'float', b: 'float', return: 'bool' } );
+
+const hlEndlessRay = float( 1.0e30 );
+
+export const hlGlassLeaves = /*@__PURE__*/ Fn( ( [ passed, way_immutable, inside, end ] ) => {
+
+	const way = way_immutable.toVar();
+
+	If( end.lessThan( hlEndlessRay ), () => {
+
+		way.addAssign( max( inside, vec3( float( 0.0 ) ) ).mul( end ) );
+
+	} );
+
+	const lost = max( way, vec3( float( 0.0 ) ) );
+
+	return passed.mul( vec3( exp( lost.x.negate() ), exp( lost.y.negate() ), exp( lost.z.negate() ) ) );
+
+}, { passed: 'vec3', way: 'vec3', inside: 'vec3', end: 'float', return: 'vec3' } );

@@ -1,4 +1,4 @@
-#include "transport/guiding/light_clusters.h"
+#include "transport/guiding/source_clusters.h"
 
 #include "transport/guiding/receiver_grid.h"
 
@@ -55,7 +55,8 @@ Polygon partIn(const PatchLayout::Surface& s, int x, int y)
 
 /// Members of a cluster are the patches that were hit. Where many were hit only once, there are more that no ray
 /// happened to hit (Good 1953, "The Population Frequencies of Species"); the bright ones are members too.
-LightClusters::LightClusters(std::span<const PatchLight> patches, std::span<const uint32_t> timesHit, float texelMeters)
+SourceClusters::SourceClusters(std::span<const PatchLight> patches, std::span<const uint32_t> timesHit,
+                               float texelMeters)
     : members_(patches.size())
 {
     const HashGrid grid(kClusterTexels * texelMeters);
@@ -95,8 +96,8 @@ LightClusters::LightClusters(std::span<const PatchLight> patches, std::span<cons
     }
 }
 
-void LightClusters::finish(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches,
-                           std::span<const float> useOfCluster)
+void SourceClusters::finish(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches,
+                            std::span<const float> useOfCluster)
 {
     for (Member& m : members_) {
         if (m.cluster != ~0u && useOfCluster[m.cluster] <= 0.0f) m.cluster = ~0u;
@@ -112,8 +113,8 @@ void LightClusters::finish(const PatchLayout& layout, const RayTracer& tracer, s
 }
 
 /// Calls body(triangle) for each part of a triangle that lies in a member patch, of hit indices `begin` to `end`.
-template<typename Body> void LightClusters::forTriangles(const PatchLayout& layout, const RayTracer& tracer,
-                                                         uint32_t begin, uint32_t end, const Body& body) const
+template<typename Body> void SourceClusters::forTriangles(const PatchLayout& layout, const RayTracer& tracer,
+                                                          uint32_t begin, uint32_t end, const Body& body) const
 {
     const BakeGeometry& geometry = tracer.geometry();
     for (uint32_t index = begin; index < end; ++index) {
@@ -148,7 +149,7 @@ template<typename Body> void LightClusters::forTriangles(const PatchLayout& layo
 }
 
 /// Keeps clusters in descending order of use per triangle, up to the limit.
-void LightClusters::remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts)
+void SourceClusters::remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts)
 {
     std::vector<uint32_t> order;
     for (uint32_t c = 0; c < clusters_.size(); ++c) {
@@ -171,8 +172,8 @@ void LightClusters::remove(std::span<const float> useOfCluster, std::span<const 
     triangles_.resize(count);
 }
 
-void LightClusters::addTriangles(const PatchLayout& layout, const RayTracer& tracer,
-                                 std::span<const PatchLight> patches)
+void SourceClusters::addTriangles(const PatchLayout& layout, const RayTracer& tracer,
+                                  std::span<const PatchLight> patches)
 {
     const std::size_t hits = tracer.hitTriangleCount();
     std::vector<std::vector<SourceTriangle>> lists((hits + kTrianglesAtOnce - 1) / kTrianglesAtOnce);
@@ -197,7 +198,7 @@ void LightClusters::addTriangles(const PatchLayout& layout, const RayTracer& tra
 }
 
 /// Densities and bins of a cluster's triangles, in proportion to area and radiance.
-void LightClusters::setDensities(const Cluster& cluster, std::span<const PatchLight> patches)
+void SourceClusters::setDensities(const Cluster& cluster, std::span<const PatchLight> patches)
 {
     const auto triangles = std::span(triangles_).subspan(cluster.firstTriangle, cluster.triangleCount);
     std::vector<double> powers(triangles.size());

@@ -1,4 +1,4 @@
-#include "bake_gpu/gpu_scene.h"
+#include "bake_gpu/device_scene.h"
 
 #include "bake_gpu/scene_lists.h"
 #include "shading/srgb_table.h"
@@ -45,7 +45,7 @@ gpu::Tree treeOf(gpu::Device& device, const SceneLists::Mesh& mesh, const gpu::B
 
 } // namespace
 
-GpuScene::GpuScene(gpu::Device& device, const RayScene& scene) : tinted_(scene.anyTinted())
+DeviceScene::DeviceScene(gpu::Device& device, const RayScene& scene) : tinted_(scene.anyTinted())
 {
     const SceneLists lists(scene);
     positions_ = bufferOf(device, scene.geometry().positions);
@@ -78,7 +78,7 @@ GpuScene::GpuScene(gpu::Device& device, const RayScene& scene) : tinted_(scene.a
     addresses_ = bufferOf(device, std::span<const Addresses>(&addresses, 1));
 }
 
-uint32_t GpuScene::maskedOf(uint32_t hitIndex) const
+uint32_t DeviceScene::maskedOf(uint32_t hitIndex) const
 {
     const auto after =
         std::upper_bound(places_.begin(), places_.end(), hitIndex,
@@ -88,7 +88,7 @@ uint32_t GpuScene::maskedOf(uint32_t hitIndex) const
     return slot.firstMasked == shading::kNone ? shading::kNone : slot.firstMasked + (hitIndex - slot.firstHit);
 }
 
-std::size_t GpuScene::bytes() const
+std::size_t DeviceScene::bytes() const
 {
     std::size_t bytes = tree_.bytes();
     for (const gpu::Tree& mesh : meshes_) bytes += mesh.bytes();

@@ -25,11 +25,11 @@ struct SourcePoint {
 
 /// Clusters of patches (lightcuts: Walter et al. 2005, "Lightcuts: A Scalable Approach to Illumination"). A cluster is
 /// a cell of a hash grid 32 texels wide. Points on it are in proportion to radiance.
-class LightClusters {
+class SourceClusters {
 public:
-    LightClusters() = default;
+    SourceClusters() = default;
     /// Clusters of the patches that were hit, by number of hits.
-    LightClusters(std::span<const PatchLight> patches, std::span<const uint32_t> timesHit, float texelMeters);
+    SourceClusters(std::span<const PatchLight> patches, std::span<const uint32_t> timesHit, float texelMeters);
     /// Removes clusters of use 0 and, beyond a limit that follows from the map's size, those of least use per triangle;
     /// then finds the triangles of the others.
     void finish(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches,

@@ -7,10 +7,10 @@
 
 namespace halflight {
 
-class GpuScene {
+class DeviceScene {
 public:
     /// Uploads the scene and builds its trees. Throws gpu::Failure. `device` outlives it.
-    GpuScene(gpu::Device& device, const RayScene& scene);
+    DeviceScene(gpu::Device& device, const RayScene& scene);
 
     /// Of the block of addresses that shaders read (SceneData in shaders/bake/scene.glsl).
     [[nodiscard]] VkDeviceAddress address() const { return addresses_.address(); }
