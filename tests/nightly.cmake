@@ -23,6 +23,8 @@ set(HALFLIGHT_NIGHTLY
     [[MixedPicture.*]]
     [[OnePlaneS6S7.*]]
     [[.*WholeBakesS6.*]]
+    # A device that fails at every launch of a bake.
+    [[GpuFaults]]
     [[ShowcaseS26.*]])
 list(JOIN HALFLIGHT_NIGHTLY "|" HALFLIGHT_NIGHTLY)
 set(HALFLIGHT_NIGHTLY "^(${HALFLIGHT_NIGHTLY})$")
