@@ -7,6 +7,8 @@
 #include "bake_gpu/kernels.h"
 #include "transport/trace/ray_tracer.h"
 
+#include <gtest/gtest.h>
+
 #include <memory>
 #include <utility>
 #include <vector>
@@ -41,6 +43,25 @@ inline std::vector<Ray> randomRays(float length)
     }
     rays[7].tMax = -1.0f;
     return rays;
+}
+
+/// Both count the same solids that rays leave, but for one ray of `oneOf`.
+inline void expectSameCrossings(Scene scene, const std::shared_ptr<BakeDevice>& device, std::size_t oneOf)
+{
+    const Pair pair(std::move(scene), device);
+    const std::vector<Ray> rays = randomRays(kInfinity);
+    std::vector<int> a(kRays);
+    std::vector<int> b(kRays);
+    ASSERT_TRUE(pair.cpu.kernels().crossings(rays, a));
+    ASSERT_TRUE(pair.gpu.kernels().crossings(rays, b));
+    std::size_t inside = 0;
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < kRays; ++i) {
+        inside += a[i] > 0 ? 1 : 0;
+        other += a[i] != b[i] ? 1 : 0;
+    }
+    EXPECT_GT(inside, kRays / 200);
+    EXPECT_LT(other, kRays / oneOf);
 }
 
 } // namespace halflight::test

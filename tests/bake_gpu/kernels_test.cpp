@@ -101,23 +101,8 @@ TEST_F(KernelsS6, BlendedSurfacesLetTheSameLightThrough)
 
 TEST_F(KernelsS6, SolidsCrossedAreTheProcessors)
 {
-    for (const bool shared : {true, false}) {
-        const Scene scene = ballsOnFloor();
-        const Pair pair(shared ? scene : unshared(scene), device);
-        const std::vector<Ray> rays = randomRays(kInfinity);
-        std::vector<int> a(kRays);
-        std::vector<int> b(kRays);
-        ASSERT_TRUE(pair.cpu.kernels().crossings(rays, a));
-        ASSERT_TRUE(pair.gpu.kernels().crossings(rays, b));
-        std::size_t inside = 0;
-        std::size_t other = 0;
-        for (std::size_t i = 0; i < kRays; ++i) {
-            inside += a[i] > 0;
-            other += a[i] != b[i];
-        }
-        EXPECT_GT(inside, kRays / 200);
-        EXPECT_LT(other, kRays / 1000) << shared;
-    }
+    expectSameCrossings(ballsOnFloor(), device, 1000);
+    expectSameCrossings(unshared(ballsOnFloor()), device, 1000);
 }
 
 /// Two sheets back to back: the front is hit, not the hidden back that lies at the same distance.
