@@ -1,5 +1,7 @@
 #include "bake_gpu/bake_device.h"
 
+#include "bake_gpu/ray_ends.h"
+
 #include "halflight/base/hash.h"
 
 #include "shaders/bake/crossings.rahit.h"
@@ -11,36 +13,17 @@
 #include "shaders/bake/gather_rays.comp.h"
 #include "shaders/bake/gather_sources.comp.h"
 #include "shaders/bake/gather_sums.comp.h"
-#include "shaders/bake/nearest.rahit.h"
-#include "shaders/bake/nearest.rchit.h"
 #include "shaders/bake/nearest.rgen.h"
-#include "shaders/bake/nearest.rmiss.h"
 #include "shaders/bake/paths/paths.rgen.h"
 #include "shaders/bake/paths/paths.rgen.tinted.h"
 #include "shaders/bake/tints.rgen.tinted.h"
-#include "shaders/bake/transmittance.rahit.h"
-#include "shaders/bake/transmittance.rahit.tinted.h"
 #include "shaders/bake/transmittance.rgen.h"
 #include "shaders/bake/transmittance.rgen.tinted.h"
-#include "shaders/bake/transmittance.rmiss.h"
-#include "shaders/bake/transmittance.rmiss.tinted.h"
 #include "shaders/bake/validity.rgen.h"
 
 #include <cctype>
 
 namespace halflight {
-namespace {
-
-gpu::RayShaders::Ends nearestEnds()
-{
-    return {bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit};
-}
-gpu::RayShaders::Ends tintedThrough()
-{
-    return {bake_transmittance_rmiss_tinted, {}, bake_transmittance_rahit_tinted};
-}
-
-} // namespace
 
 BakeDevice::BakeDevice(const BakeDeviceOptions& options)
     : device_({.validation = options.validation,
@@ -48,15 +31,11 @@ BakeDevice::BakeDevice(const BakeDeviceOptions& options)
                .name = options.name,
                .mostBytes = options.mostBytes,
                .fails = options.fails}),
-      nearest_(device_, {bake_nearest_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
-               sizeof(TracePush)),
-      fronts_(device_, {bake_fronts_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
-              sizeof(TracePush)),
-      transmittance_(device_, {bake_transmittance_rgen, bake_transmittance_rmiss, {}, bake_transmittance_rahit},
-                     sizeof(TracePush)),
+      nearest_(device_, {bake_nearest_rgen, nearestEnds()}, sizeof(TracePush)),
+      fronts_(device_, {bake_fronts_rgen, nearestEnds()}, sizeof(TracePush)),
+      transmittance_(device_, {bake_transmittance_rgen, throughEnds(false)}, sizeof(TracePush)),
       crossings_(device_, {bake_crossings_rgen, bake_crossings_rmiss, {}, bake_crossings_rahit}, sizeof(TracePush)),
-      validity_(device_, {bake_validity_rgen, bake_nearest_rmiss, bake_nearest_rchit, bake_nearest_rahit},
-                sizeof(TracePush))
+      validity_(device_, {bake_validity_rgen, nearestEnds()}, sizeof(TracePush))
 {
     constexpr uint32_t kPush = 2 * sizeof(VkDeviceAddress);
     gatherPoints_ = {device_, bake_gather_points_comp, kPush};
@@ -112,9 +91,9 @@ void BakeDevice::makeTinted()
 {
     const std::lock_guard lock(laterMutex_);
     if (tints_) return;
-    tintedTransmittance_.emplace(device_, gpu::RayShaders{bake_transmittance_rgen_tinted, tintedThrough()},
+    tintedTransmittance_.emplace(device_, gpu::RayShaders{bake_transmittance_rgen_tinted, throughEnds(true)},
                                  uint32_t(sizeof(TracePush)));
-    tints_.emplace(device_, gpu::RayShaders{bake_tints_rgen_tinted, nearestEnds(), tintedThrough()},
+    tints_.emplace(device_, gpu::RayShaders{bake_tints_rgen_tinted, nearestEnds(), throughEnds(true)},
                    uint32_t(sizeof(TracePush)));
 }
 
@@ -123,10 +102,9 @@ const gpu::RayPipeline& BakeDevice::paths(bool tinted)
     const std::lock_guard lock(laterMutex_);
     std::optional<gpu::RayPipeline>& paths = paths_[tinted ? 1 : 0];
     if (paths) return *paths;
-    const gpu::RayShaders::Ends through{bake_transmittance_rmiss, {}, bake_transmittance_rahit};
     const gpu::RayShaders shaders{tinted ? std::span<const uint32_t>(bake_paths_paths_rgen_tinted)
                                          : std::span<const uint32_t>(bake_paths_paths_rgen),
-                                  nearestEnds(), tinted ? tintedThrough() : through};
+                                  nearestEnds(), throughEnds(tinted)};
     return paths.emplace(device_, shaders, uint32_t(sizeof(TracePush)));
 }
 

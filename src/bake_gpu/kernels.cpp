@@ -41,7 +41,7 @@ template<typename Interface, typename Make> Result<std::unique_ptr<Interface>> m
 } // namespace
 
 GpuKernels::GpuKernels(std::shared_ptr<BakeDevice> device, const RayScene& scene, std::unique_ptr<RayKernels> cpu)
-    : scene_(scene), device_(std::move(device)), cpu_(std::move(cpu)), gpuScene_(device_->device(), scene)
+    : scene_(scene), device_(std::move(device)), cpu_(std::move(cpu)), deviceScene_(device_->device(), scene)
 {
     if (scene.anyTinted()) device_->makeTinted();
 }
@@ -57,8 +57,8 @@ Status GpuKernels::trace(Verb verb, std::span<const Ray> rays, bool byChance, co
         for (std::size_t first = 0; first < rays.size(); first += most) {
             const auto some = rays.subspan(first, std::min(most, rays.size() - first));
             std::memcpy(batch.upload.mapped(), some.data(), some.size_bytes());
-            const TracePush push{gpuScene_.address(), batch.rays.address(), batch.results.address(), byChance ? 1u : 0u,
-                                 scene_.anyTinted()};
+            const TracePush push{deviceScene_.address(), batch.rays.address(), batch.results.address(),
+                                 byChance ? 1u : 0u, scene_.anyTinted()};
             device.execute([&](VkCommandBuffer commands) {
                 gpu::copyBytes(device, commands, {batch.upload}, {batch.rays}, some.size_bytes());
                 (device_.get()->*verb)(commands, push, uint32_t(some.size()));
@@ -113,7 +113,7 @@ Status GpuKernels::crossings(std::span<const Ray> rays, std::span<int> out) cons
 const GpuSurfaces& GpuKernels::surfaces() const
 {
     const std::lock_guard lock(laterMutex_);
-    if (!surfaces_) surfaces_.emplace(device_->device(), gpuScene_, scene_.geometry());
+    if (!surfaces_) surfaces_.emplace(device_->device(), deviceScene_, scene_.geometry());
     return *surfaces_;
 }
 
@@ -122,27 +122,27 @@ const PathTables& GpuKernels::pathTables(const PathTracer& paths) const
 {
     const GpuSurfaces& places = surfaces();
     const std::lock_guard lock(laterMutex_);
-    if (!pathTables_) pathTables_.emplace(device_->device(), gpuScene_, places, paths);
+    if (!pathTables_) pathTables_.emplace(device_->device(), deviceScene_, places, paths);
     return *pathTables_;
 }
 
 Result<std::unique_ptr<DeviceGather>> GpuKernels::prepareGather(const GatherTables& tables) const
 {
     return made<DeviceGather>(
-        [&] { return std::make_unique<GpuGather>(*device_, gpuScene_, pathTables(tables.paths), tables); });
+        [&] { return std::make_unique<GpuGather>(*device_, deviceScene_, pathTables(tables.paths), tables); });
 }
 
 Result<std::unique_ptr<DevicePaths>> GpuKernels::preparePaths(const PathTracer& paths, int bounces) const
 {
     return made<DevicePaths>(
-        [&] { return std::make_unique<GpuPaths>(*device_, gpuScene_, pathTables(paths), paths, bounces); });
+        [&] { return std::make_unique<GpuPaths>(*device_, deviceScene_, pathTables(paths), paths, bounces); });
 }
 
 Result<std::unique_ptr<DeviceRadiosity>> GpuKernels::prepareRadiosity(const RadiosityInput& input,
                                                                       const PatchLayout& layout) const
 {
     return made<DeviceRadiosity>(
-        [&] { return std::make_unique<GpuRadiosity>(*device_, gpuScene_, pathTables(input.paths), input, layout); });
+        [&] { return std::make_unique<GpuRadiosity>(*device_, deviceScene_, pathTables(input.paths), input, layout); });
 }
 
 Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTables& tables) const
@@ -150,14 +150,15 @@ Result<std::unique_ptr<DeviceShadows>> GpuKernels::prepareShadows(const ShadowTa
     const bool any = std::any_of(tables.lights.begin(), tables.lights.end(),
                                  [](const PunctualLight& light) { return light.channel >= 0 || light.directAtTexels; });
     if (!any) return std::unique_ptr<DeviceShadows>();
-    return made<DeviceShadows>([&] { return std::make_unique<GpuShadows>(*device_, gpuScene_, surfaces(), tables); });
+    return made<DeviceShadows>(
+        [&] { return std::make_unique<GpuShadows>(*device_, deviceScene_, surfaces(), tables); });
 }
 
 Result<std::unique_ptr<DeviceValidity>> GpuKernels::prepareValidity() const
 {
     const std::vector<uint8_t>& solid = scene_.geometry().solid;
     const bool anySolid = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
-    return made<DeviceValidity>([&] { return std::make_unique<GpuValidity>(*device_, gpuScene_, anySolid); });
+    return made<DeviceValidity>([&] { return std::make_unique<GpuValidity>(*device_, deviceScene_, anySolid); });
 }
 
 std::string GpuKernels::describe(const std::string& method) const

@@ -49,7 +49,7 @@ private:
     const RayScene& scene_;
     std::shared_ptr<BakeDevice> device_;
     std::unique_ptr<RayKernels> cpu_;
-    DeviceScene gpuScene_;
+    DeviceScene deviceScene_;
     mutable std::mutex laterMutex_; ///< guards what follows
     mutable std::optional<GpuSurfaces> surfaces_;
     mutable std::optional<PathTables> pathTables_;
