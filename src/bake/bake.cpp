@@ -239,9 +239,12 @@ public:
         });
         if (!timed) inIsolation([&] { traced = masksAndProbes(); });
         pages_.wait();
-        masks_.wait();
         if (!traced) return traced;
         if (!made) return made;
+        Status reflected;
+        inIsolation([&] { reflected = reflectionStage(run_, cached_); }); // beside the last of the masks' pages
+        if (!reflected) return reflected;
+        masks_.wait();
         return finish();
     }
 
@@ -326,7 +329,6 @@ Result<BakeResult> bakeWith(Scene scene, const BakeSettings& settings, const Int
     const CachedIntegrator cached = firstStages.cached();
     if (Status status = TraceStages(run, cached, integratorFactory.denoise, began, std::move(seams)).trace(); !status)
         return status.error();
-    if (Status status = reflectionStage(run, cached); !status) return status.error();
     finishGroups(*grouping, result);
 
     if (cache) {

@@ -7,6 +7,7 @@
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -89,12 +90,12 @@ struct GpuRadiosity::Workspace {
         const std::size_t directBytes = items * std::size_t(most.direct) * sizeof(DirectSample);
         rays = {device, rayBytes, gpu::kAddressed, gpu::MemoryUse::Device};
         direct = {device, directBytes, gpu::kAddressed, gpu::MemoryUse::Device};
-        raysRead = {device, rayBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
-        directRead = {device, directBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+        addRead(device, rayBytes, &ReadBack::rays);
+        addRead(device, directBytes, &ReadBack::direct);
         if (tinted) {
             const std::size_t tintBytes = items * std::size_t(most.rays) * sizeof(vec3);
             tints = {device, tintBytes, gpu::kAddressed, gpu::MemoryUse::Device};
-            tintsRead = {device, tintBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+            addRead(device, tintBytes, &ReadBack::tints);
         }
         if (const std::size_t ofSample = partsOf(input.paths.light()); ofSample > 0)
             addParts(device, input, layout, items, ofSample, items * std::size_t(most.rays));
@@ -110,16 +111,34 @@ struct GpuRadiosity::Workspace {
             bytes = std::max(bytes, most * std::size_t(direct) * ofSample * sizeof(LightPart));
         }
         parts = {device, bytes, gpu::kAddressed, gpu::MemoryUse::Device};
-        partsRead = {device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+        addRead(device, bytes, &ReadBack::parts);
         const std::size_t words = mostRays * sizeof(uint32_t);
         emitters = {device, words, gpu::kAddressed, gpu::MemoryUse::Device};
-        emittersRead = {device, words, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+        addRead(device, words, &ReadBack::emitters);
+    }
+    /// What the processor reads of a call. Calls take turns with two of them.
+    struct ReadBack {
+        gpu::Buffer rays, direct;
+        gpu::Buffer tints;           ///< empty where no glass has a colour
+        gpu::Buffer emitters, parts; ///< empty where light is estimated as one
+    };
+    void addRead(gpu::Device& device, std::size_t bytes, gpu::Buffer ReadBack::*buffer)
+    {
+        for (ReadBack& r : read)
+            r.*buffer = {device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback};
+    }
+    const ReadBack& readNow() const { return read[calls % read.size()]; }
+    template<typename T> std::span<const T> readAs(gpu::Buffer ReadBack::*buffer, std::size_t count) const
+    {
+        return {reinterpret_cast<const T*>((readNow().*buffer).mapped()), count};
     }
     TexelLists texels;
     gpu::Buffer requests, lists, listsOnDevice, items, points;
-    gpu::Buffer rays, direct, raysRead, directRead;
-    gpu::Buffer tints, tintsRead;                         ///< empty where no glass has a colour
-    gpu::Buffer emitters, parts, emittersRead, partsRead; ///< empty where light is estimated as one
+    gpu::Buffer rays, direct;
+    gpu::Buffer tints;           ///< empty where no glass has a colour
+    gpu::Buffer emitters, parts; ///< empty where light is estimated as one
+    std::array<ReadBack, 2> read;
+    std::size_t calls = 0; ///< of gather()
 };
 
 GpuRadiosity::~GpuRadiosity() = default;
@@ -290,23 +309,29 @@ std::size_t GpuRadiosity::mostItems() const
     return mostItemsOf(constants_.direct, constants_.parts);
 }
 
-Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uint64_t& rays)
+DeviceRadiosity::Traced GpuRadiosity::tracedOf(std::size_t items) const
+{
+    using ReadBack = Workspace::ReadBack;
+    const Workspace& w = *workspace_;
+    const std::size_t rays = items * std::size_t(constants_.blocks * constants_.strata);
+    const std::size_t direct = items * std::size_t(constants_.direct);
+    Traced traced{
+        w.readAs<FactorRay>(&ReadBack::rays, rays), w.readAs<DirectSample>(&ReadBack::direct, direct), {}, {}, {}};
+    if (scene_.tinted()) traced.tints = w.readAs<vec3>(&ReadBack::tints, rays);
+    if (constants_.parts == 0) return traced;
+    traced.emitters = w.readAs<uint32_t>(&ReadBack::emitters, rays);
+    traced.parts = w.readAs<LightPart>(&ReadBack::parts, direct * constants_.parts);
+    return traced;
+}
+
+Status GpuRadiosity::gather(std::span<const uint32_t> items, Traced& traced, uint64_t& rays)
 {
     const auto count = uint32_t(items.size());
     const auto raysOfItem = uint32_t(constants_.blocks * constants_.strata);
     const auto directOfItem = uint32_t(constants_.direct);
-    const Workspace& w = *workspace_;
-    Traced traced{{reinterpret_cast<const FactorRay*>(w.raysRead.mapped()), items.size() * raysOfItem},
-                  {reinterpret_cast<const DirectSample*>(w.directRead.mapped()), items.size() * directOfItem},
-                  {},
-                  {},
-                  {}};
-    if (scene_.tinted()) traced.tints = {reinterpret_cast<const vec3*>(w.tintsRead.mapped()), traced.rays.size()};
-    if (constants_.parts > 0) {
-        traced.emitters = {reinterpret_cast<const uint32_t*>(w.emittersRead.mapped()), traced.rays.size()};
-        traced.parts = {reinterpret_cast<const LightPart*>(w.partsRead.mapped()),
-                        traced.direct.size() * constants_.parts};
-    }
+    Workspace& w = *workspace_;
+    ++w.calls;
+    traced = tracedOf(items.size());
     try {
         setItems(items);
         const auto launch = [&](VkCommandBuffer commands, std::span<const std::byte> push) {
@@ -317,11 +342,12 @@ Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uin
             const auto copy = [&](const gpu::Buffer& from, const gpu::Buffer& to, const auto& list) {
                 if (!list.empty()) gpu::copyBytes(device_.device(), commands, {from}, {to}, list.size_bytes());
             };
-            copy(w.rays, w.raysRead, traced.rays);
-            copy(w.direct, w.directRead, traced.direct);
-            copy(w.tints, w.tintsRead, traced.tints);
-            copy(w.emitters, w.emittersRead, traced.emitters);
-            copy(w.parts, w.partsRead, traced.parts);
+            const Workspace::ReadBack& read = w.readNow();
+            copy(w.rays, read.rays, traced.rays);
+            copy(w.direct, read.direct, traced.direct);
+            copy(w.tints, read.tints, traced.tints);
+            copy(w.emitters, read.emitters, traced.emitters);
+            copy(w.parts, read.parts, traced.parts);
         });
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
@@ -330,7 +356,6 @@ Status GpuRadiosity::gather(std::span<const uint32_t> items, const Use& use, uin
     const auto active = std::count_if(items.begin(), items.end(),
                                       [&](uint32_t item) { return all || input_.map.texels[item].validPoints != 0; });
     rays += tallied()[0] + uint64_t(active) * raysOfItem;
-    use(traced);
     return {};
 }
 

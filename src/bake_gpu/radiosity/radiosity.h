@@ -22,7 +22,7 @@ public:
 
     Status begin(const PatchPass& pass) override;
     Status findOccluded(std::span<const uint32_t> items, std::vector<PatchId>& found, uint64_t& rays) override;
-    Status gather(std::span<const uint32_t> items, const Use& use, uint64_t& rays) override;
+    Status gather(std::span<const uint32_t> items, Traced& traced, uint64_t& rays) override;
     [[nodiscard]] std::size_t mostItems() const override;
 
 private:
@@ -36,6 +36,8 @@ private:
     };
     void setPass(const PatchPass& pass);
     void setItems(std::span<const uint32_t> items);
+    /// Views of the buffers that the call for so many items copies its results to.
+    [[nodiscard]] Traced tracedOf(std::size_t items) const;
     template<typename Launch, typename Copy> void run(std::size_t items, const Launch& launch, const Copy& copy);
     [[nodiscard]] std::span<const uint32_t> tallied() const;
 

@@ -190,32 +190,40 @@ Status gatherOn(DeviceRadiosity& device, const PatchPass& pass, std::span<const 
     const auto raysOfItem = std::size_t(effort.blocks() * effort.strata());
     const auto directOfItem = std::size_t(effort.direct);
     const std::size_t parts = DeviceRadiosity::partsOf(pass.input().paths.light());
-    return forCalls(items, device.mostItems(), progress, [&](std::span<const uint32_t> some, std::size_t first) {
+    const auto use = [&](std::span<const uint32_t> some, std::size_t first, const Traced& traced) {
         const auto ranges = out.subspan(first / kRangeItems, (some.size() + kRangeItems - 1) / kRangeItems);
-        const auto use = [&](const Traced& traced) {
-            parallelFor(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t r = begin; r < end; ++r) {
-                    const std::size_t item = r * kRangeItems;
-                    const std::size_t count = std::min(kRangeItems, some.size() - item);
-                    TracedFactors factors(pass, ranges[r]);
-                    const std::size_t ray = item * raysOfItem;
-                    const std::size_t rayCount = count * raysOfItem;
-                    const std::size_t direct = item * directOfItem;
-                    const std::size_t directCount = count * directOfItem;
-                    factors.add(some.subspan(item, count),
-                                {traced.rays.subspan(ray, rayCount), traced.direct.subspan(direct, directCount),
-                                 partOf(traced.tints, ray, rayCount), partOf(traced.emitters, ray, rayCount),
-                                 traced.parts.subspan(direct * parts, directCount * parts)});
-                    ranges[r].shrink();
-                    rays += factors.rays();
-                }
-            });
-        };
-        uint64_t traced = 0;
-        Status s = device.gather(some, use, traced);
-        rays += traced;
-        return s;
-    });
+        parallelFor(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) {
+                const std::size_t item = r * kRangeItems;
+                const std::size_t count = std::min(kRangeItems, some.size() - item);
+                TracedFactors factors(pass, ranges[r]);
+                const std::size_t ray = item * raysOfItem;
+                const std::size_t rayCount = count * raysOfItem;
+                const std::size_t direct = item * directOfItem;
+                const std::size_t directCount = count * directOfItem;
+                factors.add(some.subspan(item, count),
+                            {traced.rays.subspan(ray, rayCount), traced.direct.subspan(direct, directCount),
+                             partOf(traced.tints, ray, rayCount), partOf(traced.emitters, ray, rayCount),
+                             traced.parts.subspan(direct * parts, directCount * parts)});
+                ranges[r].shrink();
+                rays += factors.rays();
+            }
+        });
+    };
+    Background users; // of what a call has traced, while the next one traces
+    const Status done =
+        forCalls(items, device.mostItems(), progress, [&](std::span<const uint32_t> some, std::size_t first) {
+            uint64_t count = 0;
+            Traced traced;
+            Status s;
+            inIsolation([&] { s = device.gather(some, traced, count); });
+            rays += count;
+            users.wait();
+            if (s) users.run([&use, some, first, traced] { use(some, first, traced); });
+            return s;
+        });
+    users.wait();
+    return done;
 }
 
 /// Kernels without a device: here, because kernels know nothing of patches.

@@ -4,7 +4,6 @@
 #include "transport/radiosity/lobe_moments.h"
 #include "transport/radiosity/patch_pass.h"
 
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -67,9 +66,9 @@ public:
         std::span<const uint32_t> emitters; ///< by ray: component of the emitter that it hits
         std::span<const LightPart> parts;   ///< by light sample, then partsOf() of them
     };
-    using Use = std::function<void(const Traced& traced)>;
-    /// Traces all rays of items and calls use(), unless there is an error.
-    virtual Status gather(std::span<const uint32_t> items, const Use& use, uint64_t& rays) = 0;
+    /// Traces all rays of items. `traced` lasts until the call after the next one, so that it is used while that
+    /// traces.
+    virtual Status gather(std::span<const uint32_t> items, Traced& traced, uint64_t& rays) = 0;
 };
 
 } // namespace halflight

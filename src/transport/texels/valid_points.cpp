@@ -38,16 +38,24 @@ public:
     {
         const std::vector<uint32_t> blocks = blocksOf(begin, end);
         const std::size_t atOnce = device_ != nullptr ? kBlocksAtOnce : blocks.size();
+        Status tested; // by the device; read once it has finished
+        Background device;
         for (std::size_t first = 0; first < blocks.size(); first += atOnce) {
             const std::size_t last = std::min(first + atOnce, blocks.size());
             const auto shareOf = [&](std::size_t block) { return double(block) / double(blocks.size()); };
             const Progress part = partOf(progress_, shareOf(first), shareOf(last));
             std::vector<Open> parts;
-            if (Status s = testBlocks(std::span(blocks).subspan(first, last - first), begin, masks, parts, part); !s)
-                return s;
-            if (Status s = testOpen(inOrder(parts), begin, masks); !s) return s;
+            Status s;
+            inIsolation(
+                [&] { s = testBlocks(std::span(blocks).subspan(first, last - first), begin, masks, parts, part); });
+            device.wait(); // one list of open texels at a time: it may take 150 MB
+            if (!s || !tested) return s ? tested : s;
+            device.run([this, begin, masks, &tested, parts = std::move(parts)]() mutable {
+                tested = testOpen(inOrder(parts), begin, masks);
+            });
         }
-        return {};
+        device.wait();
+        return tested;
     }
 
 private:
