@@ -9,6 +9,8 @@
 #endif
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <utility>
@@ -29,10 +31,15 @@ std::string wrongBakeDevice(const std::string& device)
 #if HALFLIGHT_GPU
 /// Devices stay open as long as the program, and are never closed: a farm's worker bakes more than one scene, and
 /// drivers are torn down before the program's own objects.
-Result<std::shared_ptr<BakeDevice>> opened(const std::string& name, int memoryMegabytes)
+auto& openDevices()
 {
     static auto& devices = *new std::map<std::pair<std::string, int>, std::shared_ptr<BakeDevice>>;
-    std::shared_ptr<BakeDevice>& device = devices[{name, memoryMegabytes}];
+    return devices;
+}
+
+Result<std::shared_ptr<BakeDevice>> opened(const std::string& name, int memoryMegabytes)
+{
+    std::shared_ptr<BakeDevice>& device = openDevices()[{name, memoryMegabytes}];
     if (device == nullptr) {
         auto made = openBakeDevice({.name = name, .mostBytes = uint64_t(memoryMegabytes) << 20});
         if (!made) return made.error();
@@ -84,6 +91,18 @@ Result<IntegratorFactory> integratorsOn(const DeviceChoice& choice, [[maybe_unus
         return Error{ErrorCode::Unsupported, "this program was built without Vulkan: it bakes with --device cpu"};
 #endif
     return embreeIntegrators();
+}
+
+int leavingWith(int code)
+{
+#if HALFLIGHT_GPU
+    for (const auto& [key, device] : openDevices()) {
+        if (device == nullptr || !makesPipelines(*device)) continue;
+        std::fflush(nullptr);
+        std::_Exit(code);
+    }
+#endif
+    return code;
 }
 
 std::string bakeDeviceText()

@@ -1,6 +1,7 @@
+#include "bake_device.h"
 #include "program.h"
 
 int main(int argc, char** argv)
 {
-    return halflight::cli::runProgram(argc, argv);
+    return halflight::cli::leavingWith(halflight::cli::runProgram(argc, argv));
 }

@@ -70,5 +70,5 @@ int openWindow(const ViewCommandOptions& given)
 
 int main(int argc, char** argv)
 {
-    return halflight::cli::runProgram(argc, argv, halflight::cli::openWindow);
+    return halflight::cli::leavingWith(halflight::cli::runProgram(argc, argv, halflight::cli::openWindow));
 }

@@ -21,9 +21,27 @@
 #include "shaders/bake/transmittance.rgen.tinted.h"
 #include "shaders/bake/validity.rgen.h"
 
+#include <algorithm>
 #include <cctype>
 
 namespace halflight {
+namespace {
+
+gpu::RayPipeline pathPipeline(gpu::Device& device, bool tinted)
+{
+    const std::span<const uint32_t> generate = tinted ? std::span<const uint32_t>(bake_paths_paths_rgen_tinted)
+                                                      : std::span<const uint32_t>(bake_paths_paths_rgen);
+    return {device, {generate, nearestEnds(), throughEnds(tinted)}, uint32_t(sizeof(TracePush))};
+}
+
+TintedPipelines tintedPipelines(gpu::Device& device)
+{
+    constexpr uint32_t kPush = sizeof(TracePush);
+    return {{device, {bake_transmittance_rgen_tinted, throughEnds(true)}, kPush},
+            {device, {bake_tints_rgen_tinted, nearestEnds(), throughEnds(true)}, kPush}};
+}
+
+} // namespace
 
 BakeDevice::BakeDevice(const BakeDeviceOptions& options)
     : device_({.validation = options.validation,
@@ -45,25 +63,25 @@ BakeDevice::BakeDevice(const BakeDeviceOptions& options)
     gatherSums_ = {device_, bake_gather_sums_comp, kPush};
 }
 
-void BakeDevice::nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
+void BakeDevice::nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count)
 {
     nearest_.run(commands, gpu::bytesOf(push), count);
     fronts_.run(commands, gpu::bytesOf(push), count);
-    if (push.tinted) tints_->run(commands, gpu::bytesOf(push), count);
+    if (push.tinted) tinted().tints.run(commands, gpu::bytesOf(push), count);
 }
 
-void BakeDevice::transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
+void BakeDevice::transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count)
 {
     const bool byColor = push.tinted && push.byChance == 0;
-    (byColor ? *tintedTransmittance_ : transmittance_).run(commands, gpu::bytesOf(push), count);
+    (byColor ? tinted().transmittance : transmittance_).run(commands, gpu::bytesOf(push), count);
 }
 
-void BakeDevice::crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
+void BakeDevice::crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count)
 {
     crossings_.run(commands, gpu::bytesOf(push), count);
 }
 
-void BakeDevice::validity(VkCommandBuffer commands, const TracePush& push, uint32_t count) const
+void BakeDevice::validity(VkCommandBuffer commands, const TracePush& push, uint32_t count)
 {
     validity_.run(commands, gpu::bytesOf(push), count);
 }
@@ -87,60 +105,54 @@ std::string BakeDevice::identity() const
     return identity;
 }
 
-void BakeDevice::makeTinted()
+void BakeDevice::beginPipelines(bool tinted)
 {
-    const std::lock_guard lock(laterMutex_);
-    if (tints_) return;
-    tintedTransmittance_.emplace(device_, gpu::RayShaders{bake_transmittance_rgen_tinted, throughEnds(true)},
-                                 uint32_t(sizeof(TracePush)));
-    tints_.emplace(device_, gpu::RayShaders{bake_tints_rgen_tinted, nearestEnds(), throughEnds(true)},
-                   uint32_t(sizeof(TracePush)));
+    paths_[tinted ? 1 : 0].begin([this, tinted] { return pathPipeline(device_, tinted); });
+    radiosity_[tinted ? 1 : 0].begin([this, tinted] { return RadiosityPipelines(device_, tinted); });
+    if (tinted) tinted_.begin([this] { return tintedPipelines(device_); });
+    shadows_.begin([this] { return ShadowPipelines(device_); });
+    denoise_.begin([this] { return DenoisePipelines(device_); });
+}
+
+bool BakeDevice::makesPipelines()
+{
+    const auto any = [](auto& list) { return std::ranges::any_of(list, [](auto& later) { return later.isMaking(); }); };
+    return any(paths_) || any(radiosity_) || tinted_.isMaking() || shadows_.isMaking() || denoise_.isMaking();
+}
+
+const TintedPipelines& BakeDevice::tinted()
+{
+    return tinted_.get([this] { return tintedPipelines(device_); });
 }
 
 const gpu::RayPipeline& BakeDevice::paths(bool tinted)
 {
-    const std::lock_guard lock(laterMutex_);
-    std::optional<gpu::RayPipeline>& paths = paths_[tinted ? 1 : 0];
-    if (paths) return *paths;
-    const gpu::RayShaders shaders{tinted ? std::span<const uint32_t>(bake_paths_paths_rgen_tinted)
-                                         : std::span<const uint32_t>(bake_paths_paths_rgen),
-                                  nearestEnds(), throughEnds(tinted)};
-    return paths.emplace(device_, shaders, uint32_t(sizeof(TracePush)));
+    return paths_[tinted ? 1 : 0].get([this, tinted] { return pathPipeline(device_, tinted); });
 }
 
 const EmitterPipelines& BakeDevice::emitters()
 {
-    const std::lock_guard lock(laterMutex_);
-    if (!emitters_) emitters_.emplace(device_);
-    return *emitters_;
+    return emitters_.get([this] { return EmitterPipelines(device_); });
 }
 
 const ComponentPipelines& BakeDevice::components()
 {
-    const std::lock_guard lock(laterMutex_);
-    if (!components_) components_.emplace(device_);
-    return *components_;
+    return components_.get([this] { return ComponentPipelines(device_); });
 }
 
 const DenoisePipelines& BakeDevice::denoise()
 {
-    const std::lock_guard lock(laterMutex_);
-    if (!denoise_) denoise_.emplace(device_);
-    return *denoise_;
+    return denoise_.get([this] { return DenoisePipelines(device_); });
 }
 
 const ShadowPipelines& BakeDevice::shadows()
 {
-    const std::lock_guard lock(laterMutex_);
-    if (!shadows_) shadows_.emplace(device_);
-    return *shadows_;
+    return shadows_.get([this] { return ShadowPipelines(device_); });
 }
 
 const RadiosityPipelines& BakeDevice::radiosity(bool tinted)
 {
-    const std::lock_guard lock(laterMutex_);
-    std::optional<RadiosityPipelines>& radiosity = radiosity_[tinted ? 1 : 0];
-    return radiosity ? *radiosity : radiosity.emplace(device_, tinted);
+    return radiosity_[tinted ? 1 : 0].get([this, tinted] { return RadiosityPipelines(device_, tinted); });
 }
 
 Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options)
@@ -162,6 +174,11 @@ Result<std::vector<DeviceDescription>> bakeDevices()
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what()};
     }
+}
+
+bool makesPipelines(BakeDevice& device)
+{
+    return device.makesPipelines();
 }
 
 std::string describe(BakeDevice& device)

@@ -4,6 +4,7 @@
 #include "bake_gpu/denoise_pipelines.h"
 #include "bake_gpu/gather/component_pipelines.h"
 #include "bake_gpu/gather/emitter_pipelines.h"
+#include "bake_gpu/later.h"
 #include "bake_gpu/radiosity/radiosity_pipelines.h"
 #include "bake_gpu/shadows/shadow_pipelines.h"
 #include "gpu/acceleration.h"
@@ -12,8 +13,6 @@
 
 #include <array>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
 
 namespace halflight {
@@ -27,6 +26,12 @@ struct TracePush {
     bool tinted = false;         ///< of a scene whose glass has a colour; no shader reads it
 };
 
+/// Rays of scenes whose glass has a colour.
+struct TintedPipelines {
+    gpu::RayPipeline transmittance;
+    gpu::RayPipeline tints;
+};
+
 /// One device for all integrators of a bake, and for what else of it runs there.
 class BakeDevice {
 public:
@@ -35,20 +40,25 @@ public:
 
     [[nodiscard]] gpu::Device& device() { return device_; }
     /// RayKernels' verbs for `count` rays. Each begins with a full barrier. Those of scenes whose glass has a colour
-    /// need makeTinted().
-    void nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
-    void transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
-    /// Makes the pipelines of scenes whose glass has a colour, once. Throws gpu::Failure.
-    void makeTinted();
-    void crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
+    /// need tinted(), too.
+    void nearest(VkCommandBuffer commands, const TracePush& push, uint32_t count);
+    void transmittance(VkCommandBuffer commands, const TracePush& push, uint32_t count);
+    /// The pipelines of scenes whose glass has a colour, made when they are first asked for. Throws gpu::Failure.
+    const TintedPipelines& tinted();
+    void crossings(VkCommandBuffer commands, const TracePush& push, uint32_t count);
     /// Tests of `count` texels' points (shaders/bake/validity.rgen), in the same way; `results` are its lists.
-    void validity(VkCommandBuffer commands, const TracePush& push, uint32_t count) const;
+    void validity(VkCommandBuffer commands, const TracePush& push, uint32_t count);
     /// Steps of the final gather (shaders/bake/gather_*.comp).
     [[nodiscard]] const gpu::ComputePipeline& gatherPoints() const { return gatherPoints_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherRays() const { return gatherRays_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherLight() const { return gatherLight_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSources() const { return gatherSources_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSums() const { return gatherSums_; }
+    /// Begins to make, on other threads, what nearly all bakes ask for later and a driver may compile for ten seconds.
+    /// `tinted`: of scenes whose glass has a colour.
+    void beginPipelines(bool tinted);
+    /// Whether some of them are not finished yet.
+    [[nodiscard]] bool makesPipelines();
     /// Paths (shaders/bake/paths/paths.rgen), made when they are first asked for. Throws gpu::Failure.
     const gpu::RayPipeline& paths(bool tinted);
     /// The same of the gather's emitter samples.
@@ -77,15 +87,13 @@ private:
     gpu::ComputePipeline gatherLight_;
     gpu::ComputePipeline gatherSources_;
     gpu::ComputePipeline gatherSums_;
-    std::mutex laterMutex_; ///< guards what follows
-    std::optional<gpu::RayPipeline> tints_;
-    std::optional<gpu::RayPipeline> tintedTransmittance_;
-    std::array<std::optional<gpu::RayPipeline>, 2> paths_; ///< the second one with tints
-    std::optional<EmitterPipelines> emitters_;
-    std::optional<ComponentPipelines> components_;
-    std::optional<DenoisePipelines> denoise_;
-    std::optional<ShadowPipelines> shadows_;
-    std::array<std::optional<RadiosityPipelines>, 2> radiosity_; ///< in the same way
+    Later<TintedPipelines> tinted_;
+    std::array<Later<gpu::RayPipeline>, 2> paths_; ///< the second one with tints
+    Later<EmitterPipelines> emitters_;
+    Later<ComponentPipelines> components_;
+    Later<DenoisePipelines> denoise_;
+    Later<ShadowPipelines> shadows_;
+    std::array<Later<RadiosityPipelines>, 2> radiosity_; ///< in the same way
 };
 
 /// Copies a list to a buffer that shaders find by its address, and trees are built from.

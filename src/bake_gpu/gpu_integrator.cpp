@@ -3,9 +3,12 @@
 #include "bake_cpu/trace/embree_kernels.h"
 #include "bake_gpu/denoise.h"
 #include "bake_gpu/kernels.h"
+#include "scene/model/tint.h"
 #include "transport/ray_integrator.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
+
+#include <algorithm>
 
 namespace halflight {
 namespace {
@@ -30,6 +33,8 @@ IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device)
 {
     const auto make = [device](const Scene& scene, const BakeGeometry& geometry,
                                const IntegrationSettings& settings) -> Result<std::unique_ptr<Integrator>> {
+        // A bake asks for one with few rays first, for its unwrapping.
+        device->beginPipelines(std::ranges::any_of(scene.materials, [](const Material& m) { return tintsLight(m); }));
         if (settings.fewRays) return makeEmbreeIntegrator(scene, geometry, settings);
         Error error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
         auto integrator =

@@ -43,7 +43,7 @@ template<typename Interface, typename Make> Result<std::unique_ptr<Interface>> m
 GpuKernels::GpuKernels(std::shared_ptr<BakeDevice> device, const RayScene& scene, std::unique_ptr<RayKernels> cpu)
     : scene_(scene), device_(std::move(device)), cpu_(std::move(cpu)), deviceScene_(device_->device(), scene)
 {
-    if (scene.anyTinted()) device_->makeTinted();
+    if (scene.anyTinted()) device_->tinted(); // no driver compiles it while commands are recorded
 }
 
 /// Calls use(results, first) for each launch.

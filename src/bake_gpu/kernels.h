@@ -37,7 +37,7 @@ public:
     static constexpr std::size_t kLeastBatch = 4096;
 
 private:
-    using Verb = void (BakeDevice::*)(VkCommandBuffer, const TracePush&, uint32_t) const;
+    using Verb = void (BakeDevice::*)(VkCommandBuffer, const TracePush&, uint32_t);
     template<typename Out, typename Use>
     Status trace(Verb verb, std::span<const Ray> rays, bool byChance, const Use& use) const;
     [[nodiscard]] bool onDevice(std::size_t rays) const { return rays >= kLeastBatch; }

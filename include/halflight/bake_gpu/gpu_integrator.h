@@ -32,6 +32,9 @@ struct DeviceDescription {
 };
 /// All Vulkan devices, the one of an empty name first. DeviceFailed where there is no Vulkan.
 Result<std::vector<DeviceDescription>> bakeDevices();
+/// Whether threads still make pipelines, which a driver may compile for ten seconds. They begin with a bake, and need
+/// not have ended with one that ends early. A device waits for them when it goes.
+bool makesPipelines(BakeDevice& device);
 /// What the validation layer said so far.
 std::vector<std::string> validationMessages(BakeDevice& device);
 

@@ -144,6 +144,27 @@ class Moments(unittest.TestCase):
         write_terrain(scene)
         self.interrupt_at_moments(9, "bake", scene, "--quality", "preview", "--lightmap-size", "512")
 
+    def test_bake_while_a_driver_compiles(self):
+        """The program ends while threads of the driver are at work."""
+        version = subprocess.run([HALFLIGHT, "--version"], capture_output=True, text=True, check=True).stdout
+        if "llvmpipe" not in version:
+            self.skipTest("no Vulkan driver for the CPU that bakes")
+        scene = os.path.join(self.folder.name, "terrain.glb")
+        output = os.path.join(self.folder.name, "out.glb")
+        write_terrain(scene, 20)
+        arguments = [HALFLIGHT, "bake", scene, "-o", output, "--lightmap-size", "64", "--device", "gpu:llvmpipe"]
+        for moment in (0.2, 0.4, 0.8, 1.6):  # processor time; all shaders take ten seconds
+            process = subprocess.Popen(
+                arguments, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL,
+                env={**os.environ, "MESA_SHADER_CACHE_DISABLE": "true"},
+            )
+            while process.poll() is None and cpu_seconds(process.pid) < moment:
+                time.sleep(0.01)
+            process.send_signal(signal.SIGINT)
+            _, messages = process.communicate()
+            self.assertIn(process.returncode, (1, -signal.SIGINT), messages.decode(errors="replace")[-300:])
+            self.assertFalse(os.path.exists(output))
+
     def test_reference_of_a_terrain(self):
         scene = os.path.join(self.folder.name, "terrain.glb")
         write_terrain(scene)
