@@ -1,13 +1,13 @@
 // Measures the denoiser on a GPU and on the processor, in one run.
-//   bench_gpu_denoise [--scene FILE]... [--size N] [--device NAME]
+//   bench_gpu_denoise [--scene FILE]... [--size N] [--components N] [--device NAME]
 // Estimates are made up: even light with the noise of 64 samples, few fireflies, and light of a baked lamp on one side
-// of the scene. "grid" is what both begin with, "first" the device's first run, which compiles its shaders, "off" the
-// texels whose gathered light differs by more than 1e-4 of the mean.
+// of the scene. Each of N components has all of it. "grid" is what both begin with, "first" the device's first run,
+// which compiles its shaders, "off" the texels whose gathered light differs by more than 1e-4 of the mean.
 
 #include "bench_scenes.h"
 #include "measure.h"
 
-#include "bake/denoise/denoise.h"
+#include "bake/denoise/component_signals.h"
 #include "bake/seams/seams.h"
 #include "bake/texels/texel_places.h"
 #include "bake_gpu/denoise.h"
@@ -51,53 +51,80 @@ std::vector<IrradianceEstimate> estimatesOf(const Prepared& p)
     return estimates;
 }
 
-void measure(BakeDevice& device, const std::string& name, int size)
+/// The light of an estimate as `count` components; each has the direct light and directions that are asked for.
+std::vector<Signals> componentsOf(const std::vector<IrradianceEstimate>& estimates, int count, bool directions)
+{
+    const std::vector<ComponentSignals::Content> contents(std::size_t(count), {true, directions});
+    ComponentSignals components(estimates.size(), contents);
+    forEachIndex(estimates.size(), [&](std::size_t i) {
+        for (std::size_t c = 0; c < components.count(); ++c) components.set(i, c, estimates[i]);
+    });
+    return {components.components().begin(), components.components().end()};
+}
+
+/// One row: so many components, with first moments or without.
+void measure(BakeDevice& device, const DenoiserTexels& texels, const std::vector<IrradianceEstimate>& estimates,
+             int count, bool directions)
+{
+    const std::vector<Signals> stated = componentsOf(estimates, count, directions);
+    std::vector<Signals> cpu;
+    std::vector<Signals> gpu;
+    double processor = 1.0e9;
+    double first = 0.0;
+    double best = 1.0e9;
+    DenoiseSeconds parts; ///< of the best run
+    for (int i = 0; i < kRuns; ++i) {
+        cpu = stated;
+        const double begin = wallSeconds();
+        denoiseComponents(texels, cpu);
+        processor = std::min(processor, wallSeconds() - begin);
+    }
+    for (int i = 0; i <= kRuns; ++i) {
+        gpu = stated;
+        const double begin = wallSeconds();
+        DenoiseSeconds own;
+        const Status status = denoiseOnDevice(device, texels, gpu, &own);
+        const double seconds = wallSeconds() - begin;
+        if (!status) {
+            std::fprintf(stderr, "%s\n", status.error().message.c_str());
+            return;
+        }
+        if (i == 0) first = seconds;
+        if (seconds >= best) continue;
+        best = seconds;
+        parts = own;
+    }
+    std::size_t off = 0;
+    for (std::size_t c = 0; c < cpu.size(); ++c)
+        for (std::size_t i = 0; i < estimates.size(); ++i)
+            off += estimates[i].valid &&
+                   glm::distance(cpu[c].gathered[i].irradiance, gpu[c].gathered[i].irradiance) > 2.0e-4f;
+    std::printf("%-12s %10d %10.3f %8.3f %8.3f %8.3f %8.3f %8.3f %8.3f %8zu\n", directions ? "directional" : "plain",
+                count, processor, first, best, parts.memory, parts.upload, parts.filter, parts.download, off);
+}
+
+void measureScene(BakeDevice& device, const std::string& name, int size, int components)
 {
     const Prepared p = prepare(name, size, false);
     const std::vector<SeamSample> seams = findSeams(p.geometry, p.map.pageSize);
     const std::vector<IrradianceEstimate> estimates = estimatesOf(p);
-    double begin = wallSeconds();
+    std::vector<uint8_t> valid;
+    std::vector<uint8_t> samples;
+    for (const IrradianceEstimate& e : estimates) {
+        valid.push_back(e.valid ? 1 : 0);
+        samples.push_back(DenoiserTexels::samplesOf(e));
+    }
+    const double begin = wallSeconds();
     const SurfaceGrid grid(p.map, seams);
     const double gridSeconds = wallSeconds() - begin;
     std::printf("%s: %zu texels on %d pages of %d, %zu seam samples, grid %.3f s\n", name.c_str(), estimates.size(),
                 p.map.pageCount, p.map.pageSize, seams.size(), gridSeconds);
-    std::printf("%-12s %10s %8s %8s %8s %8s %8s %8s %8s\n", "seconds", "processor", "first", "device", "memory",
-                "upload", "filter", "download", "off");
-    for (const bool directions : {false, true}) {
-        const DenoiserInput input{p.geometry, p.map, grid, estimates, true, directions};
-        Signals cpu;
-        Signals gpu;
-        double processor = 1.0e9;
-        double first = 0.0;
-        double best = 1.0e9;
-        DenoiseSeconds parts; ///< of the best run
-        for (int i = 0; i < kRuns; ++i) {
-            begin = wallSeconds();
-            cpu = denoisedSignals(input);
-            processor = std::min(processor, wallSeconds() - begin);
-        }
-        for (int i = 0; i <= kRuns; ++i) {
-            begin = wallSeconds();
-            DenoiseSeconds own;
-            Result<Signals> found = denoisedOnDevice(device, input, &own);
-            const double seconds = wallSeconds() - begin;
-            if (!found) {
-                std::fprintf(stderr, "%s\n", found.error().message.c_str());
-                return;
-            }
-            gpu = std::move(*found);
-            if (i == 0) first = seconds;
-            if (seconds >= best) continue;
-            best = seconds;
-            parts = own;
-        }
-        std::size_t off = 0;
-        for (std::size_t i = 0; i < estimates.size(); ++i)
-            off +=
-                estimates[i].valid && glm::distance(cpu.gathered[i].irradiance, gpu.gathered[i].irradiance) > 2.0e-4f;
-        std::printf("%-12s %10.3f %8.3f %8.3f %8.3f %8.3f %8.3f %8.3f %8zu\n", directions ? "directional" : "plain",
-                    processor, first, best, parts.memory, parts.upload, parts.filter, parts.download, off);
-    }
+    std::printf("%-12s %10s %10s %8s %8s %8s %8s %8s %8s %8s\n", "seconds", "components", "processor", "first",
+                "device", "memory", "upload", "filter", "download", "off");
+    for (const int count : {1, components})
+        for (const bool directions : {false, true})
+            if (count == 1 || components > 1)
+                measure(device, {p.geometry, p.map, grid, valid, samples}, estimates, count, directions);
 }
 
 } // namespace
@@ -107,6 +134,7 @@ int main(int argc, char** argv)
     std::vector<std::string> scenes;
     std::string name;
     int size = 512;
+    int components = 5; // of four light groups
     for (int i = 1; i + 1 < argc; i += 2) {
         if (std::strcmp(argv[i], "--scene") == 0)
             scenes.emplace_back(argv[i + 1]);
@@ -114,6 +142,8 @@ int main(int argc, char** argv)
             name = argv[i + 1];
         else if (std::strcmp(argv[i], "--size") == 0)
             size = std::atoi(argv[i + 1]);
+        else if (std::strcmp(argv[i], "--components") == 0)
+            components = std::atoi(argv[i + 1]);
     }
     const auto device = openBakeDevice({.name = name});
     if (!device) {
@@ -121,6 +151,6 @@ int main(int argc, char** argv)
         return 1;
     }
     std::printf("%s; %d threads\n", describe(**device).c_str(), threadCount());
-    for (const std::string& scene : scenes) measure(**device, scene, size);
+    for (const std::string& scene : scenes) measureScene(**device, scene, size, components);
     return 0;
 }

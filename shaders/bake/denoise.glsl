@@ -19,8 +19,8 @@ layout(buffer_reference, scalar) readonly buffer Texels { GpuTexel at[]; };
 layout(buffer_reference, scalar) readonly buffer Firsts { uint at[]; };
 layout(buffer_reference, scalar) readonly buffer Crossings { SeamCrossing at[]; };
 layout(buffer_reference, scalar) readonly buffer Guides { GpuGuide at[]; };
-layout(buffer_reference, scalar) readonly buffer Estimates { GpuEstimate at[]; };
 layout(buffer_reference, scalar) buffer Differences { SecondDifference at[]; };
+layout(buffer_reference, scalar) buffer Variances { float at[]; };
 layout(buffer_reference, scalar) buffer Lights { vec4 at[]; }; // NoisyLight
 layout(buffer_reference, scalar) buffer Moments { vec3 at[]; };
 
@@ -35,19 +35,14 @@ struct Grid {
 struct Field {
     Grid grid;
     Guides guides;
-    Estimates estimates;
     Differences differences;
-    Lights scaled;
-    Lights clamped;
-    Lights direct;
-    Moments moments;
+    Variances variances; // of gathered light, calibrated
     uint count;
-    uint hasDirect;
-    uint directions;
 };
 layout(buffer_reference, scalar) readonly buffer FieldData { Field field; };
 
-// DenoisePush in src/bake_gpu/denoise.cpp. Those but `data` are of the filter.
+// DenoisePush in src/bake_gpu/denoise.cpp: what a pass reads and writes of one component. Before outliers are removed,
+// signals are as they are stated.
 layout(push_constant, scalar) uniform Push
 {
     FieldData data;
@@ -57,7 +52,9 @@ layout(push_constant, scalar) uniform Push
     Lights gatheredOut;
     Lights directOut;
     Moments momentsOut;
-    int number;
+    uint hasDirect;
+    uint directions;
+    int number; // of the filter's level
 }
 push;
 
@@ -113,14 +110,13 @@ bool isWhole(Field field, uint texel)
 {
     return (field.grid.texels.at[texel].bits & kIsWhole) != 0u;
 }
-uint samplesOf(Field field, uint texel)
+bool hasFewSamples(Field field, uint texel)
 {
-    return field.estimates.at[texel].samples;
+    return (field.grid.texels.at[texel].bits & kHasFewSamples) != 0u;
 }
 NoisyLight statedLight(Field field, uint texel)
 {
-    GpuEstimate e = field.estimates.at[texel];
-    return gatheredLight(e.irradiance, e.varianceOfMean, e.direct, e.varianceOfDirect);
+    return lightOf(push.gatheredIn.at[texel]);
 }
 SecondDifference differenceAt(Field field, uint texel)
 {
@@ -128,6 +124,6 @@ SecondDifference differenceAt(Field field, uint texel)
 }
 NoisyLight scaledLight(Field field, uint texel)
 {
-    return lightOf(field.scaled.at[texel]);
+    return noisyLight(push.gatheredIn.at[texel].xyz, field.variances.at[texel]);
 }
 #endif

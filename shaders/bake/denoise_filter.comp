@@ -16,7 +16,7 @@ NoisyLight filteredDirect(float correlation)
 // With the weights of gathered light; where there is direct light, directions stop at its edges too.
 vec3 filteredMoment(TapComparison toGathered)
 {
-    bool hasDirect = field.hasDirect != 0u;
+    bool hasDirect = push.hasDirect != 0u;
     TapComparison to = toGathered;
     if (hasDirect) {
         float tolerance = kMomentTolerance * luminanceOf(directOf[kMiddleTap].xyz);
@@ -48,6 +48,6 @@ void main()
     vec3 light = sums.light - sumOfTrend(trend, sums.terms);
     push.gatheredOut.at[texel] = stored(
         meanOfTaps(lightOf(gatheredOf[kMiddleTap]), sums.weight, sums.variance, light, correlation * trend.noise));
-    if (field.hasDirect != 0u) push.directOut.at[texel] = stored(filteredDirect(correlation));
-    if (field.directions != 0u) push.momentsOut.at[texel] = filteredMoment(to);
+    if (push.hasDirect != 0u) push.directOut.at[texel] = stored(filteredDirect(correlation));
+    if (push.directions != 0u) push.momentsOut.at[texel] = filteredMoment(to);
 }

@@ -10,9 +10,14 @@ void main()
 {
     Field field = push.data.field;
     uint texel = texelOfInvocation();
-    if (texel >= field.count || !isValid(field, texel)) return;
+    if (texel >= field.count) return;
+    if (!isValid(field, texel)) {
+        push.gatheredOut.at[texel] = vec4(0.0); // it had differences
+        return;
+    }
     ClampedTexel clamped = withoutOutlier(field, texel);
-    field.clamped.at[texel] = stored(clamped.light);
-    vec3 direct = field.estimates.at[texel].direct;
-    field.moments.at[texel] = scaledMoment(field.moments.at[texel], direct, clamped);
+    push.gatheredOut.at[texel] = stored(clamped.light);
+    if (push.directions == 0u) return;
+    vec3 direct = push.hasDirect != 0u ? push.directIn.at[texel].xyz : vec3(0.0);
+    push.momentsOut.at[texel] = scaledMoment(push.momentsIn.at[texel], direct, clamped);
 }

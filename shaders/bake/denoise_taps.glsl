@@ -27,8 +27,8 @@ Tap tapOn(Level level, uint texel)
     tap.position = guide.position;
     tap.normal = guide.normal;
     tap.gathered = lightOf(push.gatheredIn.at[texel]);
-    if (field.hasDirect != 0u) tap.direct = lightOf(push.directIn.at[texel]);
-    if (field.directions != 0u) tap.moment = push.momentsIn.at[texel];
+    if (push.hasDirect != 0u) tap.direct = lightOf(push.directIn.at[texel]);
+    if (push.directions != 0u) tap.moment = push.momentsIn.at[texel];
     return tap;
 }
 #include "bake/denoise/tap.h"
@@ -57,8 +57,8 @@ void readTaps(Level level, uint texel)
         nearnessOf[k] = tapNearness(offset, cosine, tapSpline(k), tap.valid ? 1.0 : 0.0, tapsPerMeter);
         plane2Of[k] = square(dot(own.normal * tapsPerMeter, offset));
         gatheredOf[k] = stored(tap.gathered);
-        if (field.hasDirect != 0u) directOf[k] = stored(tap.direct);
-        if (field.directions != 0u) momentOf[k] = tap.moment;
+        if (push.hasDirect != 0u) directOf[k] = stored(tap.direct);
+        if (push.directions != 0u) momentOf[k] = tap.moment;
         if (tap.valid) validTaps |= 1u << k;
         if (cosine >= kSameSideOfTaps) sameSideTaps |= 1u << k;
     }

@@ -4,16 +4,11 @@
 
 #include "bake/denoise/texel_variance.h"
 
-// A texel's signals, with the calibrated variance.
+// The calibrated variance of a texel's gathered light.
 void main()
 {
     Field field = push.data.field;
     uint texel = texelOfInvocation();
     if (texel >= field.count || !isValid(field, texel)) return;
-    NoisyLight gathered = statedLight(field, texel);
-    gathered.variance *= varianceScaleAt(field, texel);
-    field.scaled.at[texel] = stored(gathered);
-    GpuEstimate estimate = field.estimates.at[texel];
-    field.moments.at[texel] = estimate.moment;
-    if (field.hasDirect != 0u) field.direct.at[texel] = stored(directLight(estimate.direct, estimate.varianceOfDirect));
+    field.variances.at[texel] = statedLight(field, texel).variance * varianceScaleAt(field, texel);
 }

@@ -1,7 +1,7 @@
 #include "halflight/bake/bake.h"
 
 #include "bake/cache/cached_integrator.h"
-#include "bake/denoise/denoise.h"
+#include "bake/denoise_stages.h"
 #include "bake/first_stages.h"
 #include "bake/group_stages.h"
 #include "bake/lights/main_light.h"
@@ -68,22 +68,6 @@ Status lightmapStage(const BakeRun& run, const CachedIntegrator& cached, std::un
         if (main) main->addTo(raw);
         run.noteImages(dumpPages(run.settings, "lightmap_raw", dilate(cached.map, raw, 0), *run.images));
     }
-    return {};
-}
-
-Status denoiseStage(const BakeRun& run, const CachedIntegrator& cached, std::span<const SeamSample> seams,
-                    const DeviceDenoiser& device, std::vector<IrradianceEstimate>& estimates)
-{
-    if (run.settings.denoiser == Denoiser::Off) return {};
-    StageTimer timer(run.report(), "denoise");
-    run.progress("denoise", 0.0);
-    const bool directional = run.report().quality.directional;
-    if (Status s = denoise(cached.geometry, cached.map, seams, estimates, directional, device); !s) {
-        if (s.error().code == ErrorCode::DeviceFailed) return s;
-        run.report().warnings.push_back("the processor denoises in the GPU's place: " + s.error().message);
-    }
-    timer.finish();
-    if (run.progress.cancelled()) return cancelledError();
     return {};
 }
 
@@ -220,22 +204,13 @@ public:
             if (Status s = chooseSamples(run_, began_, cached_, *lightmap_); !s) return s;
         }
         if (Status s = lightmapStage(run_, cached_, std::move(lightmap_), estimates_, components_, main_); !s) return s;
-        const bool grouped = run_.components.count > 0;
-        std::vector<uint8_t> samples; // of grouped texels
-        if (grouped) {
-            samples = largeVector<uint8_t>(estimates_.size());
-            forEachIndex(samples.size(), [&](std::size_t i) { samples[i] = DenoiserTexels::samplesOf(estimates_[i]); });
-            release(estimates_); // components have the light
-        } else {
-            if (Status s = denoiseStage(run_, cached_, seams_, denoiser_, estimates_); !s) return s;
-        }
+        if (Status s = denoise(); !s) return s;
         // Pages are made in the background while others trace: to make seams equal takes one thread a while.
         Status made;
         Status traced;
         pages_.run([&] {
-            made = grouped ? componentPagesStage(run_, cached_, components_, samples, valid_, main_ ? &*main_ : nullptr,
-                                                 seams_, pagesReport_)
-                           : lightmapPagesStage(run_, cached_, estimates_, valid_, main_, seams_, pagesReport_);
+            made = isGrouped() ? componentPages()
+                               : lightmapPagesStage(run_, cached_, estimates_, valid_, main_, seams_, pagesReport_);
         });
         if (!timed) inIsolation([&] { traced = masksAndProbes(); });
         pages_.wait();
@@ -249,6 +224,29 @@ public:
     }
 
 private:
+    [[nodiscard]] bool isGrouped() const { return run_.components.count > 0; }
+
+    /// Components have the light where there are some: estimates are released.
+    Status denoise()
+    {
+        if (!isGrouped()) return denoiseStage(run_, cached_, seams_, denoiser_, estimates_);
+        samples_ = largeVector<uint8_t>(estimates_.size());
+        forEachIndex(samples_.size(), [&](std::size_t i) { samples_[i] = DenoiserTexels::samplesOf(estimates_[i]); });
+        release(estimates_);
+        return denoiser_ ? denoiseComponentsNow(run_.report()) : Status();
+    }
+    Status denoiseComponentsNow(BakeReport& report)
+    {
+        return denoiseStage(run_, cached_, seams_, denoiser_, valid_, samples_, components_, report);
+    }
+    /// A device has denoised before others trace there. The processor does it while they trace.
+    Status componentPages()
+    {
+        if (!denoiser_)
+            if (Status s = denoiseComponentsNow(pagesReport_); !s) return s;
+        return componentPagesStage(run_, cached_, components_, valid_, main_ ? &*main_ : nullptr, seams_, pagesReport_);
+    }
+
     Status masksAndProbes()
     {
         if (Status s = shadowmaskStage(run_, cached_, valid_, seams_, masksReport_, masks_); !s) return s;
@@ -283,6 +281,7 @@ private:
     std::unique_ptr<PreparedLightmap> lightmap_; ///< of the time before the lightmap
     ComponentSignals components_;                ///< of bakes with light groups
     std::vector<IrradianceEstimate> estimates_;
+    std::vector<uint8_t> samples_; ///< of components: DenoiserTexels::samples
     std::vector<uint8_t> valid_;
     std::vector<SeamSample> seams_;
     std::optional<MainLight> main_;

@@ -203,16 +203,11 @@ Status traceComponents(const BakeRun& run, const CachedIntegrator& cached, Prepa
 }
 
 Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached, ComponentSignals& components,
-                           const std::vector<uint8_t>& samples, const std::vector<uint8_t>& valid,
-                           const MainLight* main, const std::vector<SeamSample>& seams, BakeReport& report)
+                           const std::vector<uint8_t>& valid, const MainLight* main,
+                           const std::vector<SeamSample>& seams, BakeReport& report)
 {
     BakedScene& baked = run.baked();
     StageTimer timer(report, "group pages");
-    if (run.settings.denoiser != Denoiser::Off) {
-        const SurfaceGrid grid(cached.map, seams);
-        denoiseComponents({cached.geometry, cached.map, grid, valid, samples}, components.components());
-    }
-    if (run.progress.cancelled()) return cancelledError();
     std::vector<LightValues> values;
     for (Signals& signals : components.components()) {
         const std::size_t c = values.size();

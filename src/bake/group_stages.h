@@ -25,12 +25,11 @@ LightComponents componentsOf(const LightGrouping& grouping);
 Status traceComponents(const BakeRun& run, const CachedIntegrator& cached, PreparedLightmap& lightmap,
                        std::span<IrradianceEstimate> estimates, ComponentSignals& components);
 
-/// Denoises, fills and encodes the pages of each component, into the baked scene; each by weights of its own, as a bake
-/// of its lights alone would be. Releases `components`. `samples`: DenoiserTexels::samples. `main`: subtractive's main
-/// light, or null; each component has a lower limit of its shadows.
+/// Fills and encodes the pages of each component, into the baked scene. Releases `components`. `main`: subtractive's
+/// main light, or null; each component has a lower limit of its shadows.
 Status componentPagesStage(const BakeRun& run, const CachedIntegrator& cached, ComponentSignals& components,
-                           const std::vector<uint8_t>& samples, const std::vector<uint8_t>& valid,
-                           const MainLight* main, const std::vector<SeamSample>& seams, BakeReport& report);
+                           const std::vector<uint8_t>& valid, const MainLight* main,
+                           const std::vector<SeamSample>& seams, BakeReport& report);
 
 /// What addProbeLayers() will do to the set, for its components.
 void addLayersOfComponents(BakedProbes& probes);

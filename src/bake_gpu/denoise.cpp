@@ -13,23 +13,20 @@
 
 #include "halflight/base/memory.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
-#include <utility>
+#include <vector>
 
 namespace halflight {
 namespace {
 
-using shading::GpuEstimate;
 using shading::GpuGuide;
 using shading::GpuTexel;
 
 static_assert(sizeof(TexelGrid::Cell) == sizeof(shading::GpuCell));
 static_assert(sizeof(TexelPlace) == sizeof(GpuGuide) && offsetof(TexelPlace, normal) == offsetof(GpuGuide, normal));
-static_assert(sizeof(IrradianceEstimate) == sizeof(GpuEstimate));
-static_assert(offsetof(IrradianceEstimate, direct) == offsetof(GpuEstimate, direct));
-static_assert(offsetof(IrradianceEstimate, valid) == offsetof(GpuEstimate, valid));
 static_assert(sizeof(NoisyLight) == 16);
 
 /// Grid and Field in shaders/bake/denoise.glsl.
@@ -39,8 +36,8 @@ struct DeviceGrid {
 };
 struct DeviceField {
     DeviceGrid grid;
-    VkDeviceAddress guides, estimates, differences, scaled, clamped, direct, moments;
-    uint32_t count, hasDirect, directions;
+    VkDeviceAddress guides, differences, variances;
+    uint32_t count;
 };
 /// Addresses of signals.
 struct SignalAddresses {
@@ -51,74 +48,91 @@ struct DenoisePush {
     VkDeviceAddress field = 0;
     SignalAddresses in{};
     SignalAddresses out{};
+    uint32_t hasDirect = 0;
+    uint32_t directions = 0;
     int number = 0; ///< of the filter's level
 };
 static_assert(sizeof(DenoisePush) <= gpu::kMostPushBytes);
 
-GpuTexel deviceTexel(const DenoiserInput& input, uint32_t i)
+GpuTexel deviceTexel(const DenoiserTexels& texels, uint32_t i)
 {
-    const Texel& texel = input.map.texels[i];
-    const IrradianceEstimate& estimate = input.estimates[i];
-    uint32_t bits = texel.page << shading::kPageShift | crossingsAround(input.grid, i);
-    if (chartHasSeams(input.grid, i)) bits |= shading::kHasSeams;
-    if (estimate.valid) bits |= shading::kIsValid;
-    if (isWhole(input.map, texel)) bits |= shading::kIsWhole;
+    const Texel& texel = texels.map.texels[i];
+    uint32_t bits = texel.page << shading::kPageShift | crossingsAround(texels.grid, i);
+    if (chartHasSeams(texels.grid, i)) bits |= shading::kHasSeams;
+    if (texels.valid[i] != 0) bits |= shading::kIsValid;
+    if (isWhole(texels.map, texel)) bits |= shading::kIsWhole;
+    if (hasFewSamples(texels, i)) bits |= shading::kHasFewSamples;
     return {uint32_t(texel.x) | uint32_t(texel.y) << 16, bits, texel.chart};
 }
 
-/// One run of the denoiser.
+/// One run of the denoiser. All components use the same memory, one after the other.
 class DeviceRun {
 public:
-    DeviceRun(BakeDevice& bake, const DenoiserInput& input)
-        : device_(bake.device()), pipelines_(bake.denoise()), input_(input), count_(input.estimates.size()),
-          transfer_(device_), cells_(list(input.grid.cells().size_bytes())), texels_(list(count_ * sizeof(GpuTexel))),
-          firsts_(list(input.grid.firstCrossings().size_bytes())),
-          crossings_(list(input.grid.crossings().size_bytes())), guides_(list(count_ * sizeof(GpuGuide))),
-          estimates_(list(count_ * sizeof(GpuEstimate))), scaled_(list(count_ * sizeof(NoisyLight))),
-          gathered_(list(count_ * sizeof(NoisyLight))),
-          direct_(list(input.hasDirect ? count_ * sizeof(NoisyLight) : 0)), moments_(list(count_ * sizeof(vec3))),
-          field_(list(sizeof(DeviceField)))
+    DeviceRun(BakeDevice& bake, const DenoiserTexels& texels, bool someDirect, bool someMoments)
+        : device_(bake.device()), pipelines_(bake.denoise()), texelsOf_(texels), count_(texels.valid.size()),
+          up_(device_), down_(device_), cells_(list(texels.grid.cells().size_bytes())),
+          texels_(list(count_ * sizeof(GpuTexel))), firsts_(list(texels.grid.firstCrossings().size_bytes())),
+          crossings_(list(texels.grid.crossings().size_bytes())), guides_(list(count_ * sizeof(GpuGuide))),
+          variances_(list(count_ * sizeof(float))), gathered_(twice(count_ * sizeof(NoisyLight))),
+          direct_(twice(someDirect ? count_ * sizeof(NoisyLight) : 0)),
+          moments_(twice(someMoments ? count_ * sizeof(vec3) : 0)), field_(list(sizeof(DeviceField)))
     {}
 
-    void upload()
+    /// What components have in common.
+    void uploadTexels()
     {
-        transfer_.upload(cells_, input_.grid.cells());
-        transfer_.upload<GpuTexel>(texels_, count_, [&](std::size_t i) { return deviceTexel(input_, uint32_t(i)); });
-        transfer_.upload(firsts_, input_.grid.firstCrossings());
-        transfer_.upload(crossings_, input_.grid.crossings());
-        transfer_.upload<TexelPlace>(
-            guides_, count_, [&](std::size_t i) { return placeOf(input_.geometry, input_.map, input_.map.texels[i]); });
-        transfer_.upload(estimates_, input_.estimates);
-        uploadField();
+        const DenoiserTexels& texels = texelsOf_;
+        up_.upload(cells_, texels.grid.cells());
+        up_.upload<GpuTexel>(texels_, count_, [&](std::size_t i) { return deviceTexel(texels, uint32_t(i)); });
+        up_.upload(firsts_, texels.grid.firstCrossings());
+        up_.upload(crossings_, texels.grid.crossings());
+        up_.upload<TexelPlace>(
+            guides_, count_, [&](std::size_t i) { return placeOf(texels.geometry, texels.map, texels.map.texels[i]); });
+        const DeviceField field{
+            {cells_.address(), texels_.address(), firsts_.address(), crossings_.address(), texels.map.pageSize},
+            guides_.address(),
+            gathered_[1].address(), // differences are read no more when it is written
+            variances_.address(),
+            uint32_t(count_)};
+        static_assert(sizeof(shading::SecondDifference) <= sizeof(NoisyLight));
+        up_.upload(field_, std::span<const DeviceField>(&field, 1));
     }
 
-    void filter()
+    void upload(const Signals& component)
     {
-        launch(pipelines_.differences, {});
-        launch(pipelines_.variances, {});
-        launch(pipelines_.outliers, {});
-        // Estimates are read no more: every other level's signals have their place.
-        const SignalAddresses own{gathered_.address(), direct_.address(), moments_.address()};
-        const VkDeviceAddress lights = count_ * sizeof(NoisyLight);
-        const VkDeviceAddress place = estimates_.address();
-        const SignalAddresses other{place, place + lights, place + (input_.hasDirect ? 2 : 1) * lights};
-        static_assert(2 * sizeof(NoisyLight) + sizeof(vec3) <= sizeof(GpuEstimate));
-        static_assert(shading::kFilterLevels % 2 == 0, "the last level writes to the signals' own place");
-        for (int number = 0; number < shading::kFilterLevels; ++number) {
-            const bool even = number % 2 == 0;
-            launch(pipelines_.filter, {0, even ? own : other, even ? other : own, number});
+        up_.upload(gathered_[0], std::span<const NoisyLight>(component.gathered));
+        up_.upload(direct_[0], std::span<const NoisyLight>(component.direct));
+        up_.upload(moments_[0], std::span<const vec3>(component.moments));
+    }
+
+    void filter(const Signals& component)
+    {
+        const SignalAddresses stated{gathered_[0].address(), direct_[0].address(), moments_[0].address()};
+        const SignalAddresses clamped{gathered_[1].address(), direct_[0].address(), moments_[0].address()};
+        const SignalAddresses other{gathered_[0].address(), direct_[1].address(), moments_[1].address()};
+        DenoisePush push{field_.address(), stated, clamped, !component.direct.empty(), !component.moments.empty()};
+        launch(pipelines_.differences, push);
+        launch(pipelines_.variances, push);
+        launch(pipelines_.outliers, push);
+        static_assert(shading::kFilterLevels % 2 == 0, "download() takes what the last level writes");
+        for (push.number = 0; push.number < shading::kFilterLevels; ++push.number) {
+            const bool even = push.number % 2 == 0;
+            push.in = even ? clamped : other;
+            push.out = even ? other : clamped;
+            launch(pipelines_.filter, push);
         }
     }
 
-    [[nodiscard]] Signals download()
+    /// What filter() leaves of a component that is like this one.
+    [[nodiscard]] Signals download(const Signals& component)
     {
         Signals signals;
         signals.gathered = largeVector<NoisyLight>(count_);
-        signals.direct = largeVector<NoisyLight>(input_.hasDirect ? count_ : 0);
-        signals.moments = largeVector<vec3>(input_.directions ? count_ : 0);
-        transfer_.download(gathered_, std::span(signals.gathered));
-        transfer_.download(direct_, std::span(signals.direct));
-        transfer_.download(moments_, std::span(signals.moments));
+        signals.direct = largeVector<NoisyLight>(component.direct.size());
+        signals.moments = largeVector<vec3>(component.moments.size());
+        down_.download(gathered_[1], std::span(signals.gathered));
+        down_.download(direct_[0], std::span(signals.direct));
+        down_.download(moments_[0], std::span(signals.moments));
         return signals;
     }
 
@@ -127,29 +141,11 @@ private:
     {
         return {device_, bytes, gpu::kAddressed, gpu::MemoryUse::Device};
     }
-
-    void uploadField()
-    {
-        const DeviceField field{
-            {cells_.address(), texels_.address(), firsts_.address(), crossings_.address(), input_.map.pageSize},
-            guides_.address(),
-            estimates_.address(),
-            gathered_.address(), // differences are read no more when it is written
-            scaled_.address(),
-            gathered_.address(),
-            direct_.address(),
-            moments_.address(),
-            uint32_t(count_),
-            input_.hasDirect,
-            input_.directions};
-        static_assert(sizeof(shading::SecondDifference) <= sizeof(NoisyLight));
-        transfer_.upload(field_, std::span<const DeviceField>(&field, 1));
-    }
+    [[nodiscard]] std::array<gpu::Buffer, 2> twice(std::size_t bytes) const { return {list(bytes), list(bytes)}; }
 
     /// One submission for each pass: a driver may end those that take long.
-    void launch(const gpu::ComputePipeline& pipeline, DenoisePush push)
+    void launch(const gpu::ComputePipeline& pipeline, const DenoisePush& push)
     {
-        push.field = field_.address();
         device_.execute([&](VkCommandBuffer commands) {
             pipeline.run(commands, gpu::bytesOf(push), count_, shading::kDenoiseGroup);
         });
@@ -157,21 +153,57 @@ private:
 
     gpu::Device& device_;
     const DenoisePipelines& pipelines_;
-    const DenoiserInput& input_;
+    const DenoiserTexels& texelsOf_;
     std::size_t count_;
-    Transfer transfer_;
+    Transfer up_;
+    Transfer down_;
     gpu::Buffer cells_;
     gpu::Buffer texels_;
     gpu::Buffer firsts_;
     gpu::Buffer crossings_;
     gpu::Buffer guides_;
-    gpu::Buffer estimates_;
-    gpu::Buffer scaled_;   ///< gathered light before outliers are removed
-    gpu::Buffer gathered_; ///< at first the second differences
-    gpu::Buffer direct_;
-    gpu::Buffer moments_;
+    gpu::Buffer variances_;
+    std::array<gpu::Buffer, 2> gathered_; ///< as stated, and without outliers: the filter's levels go to and fro
+    std::array<gpu::Buffer, 2> direct_;
+    std::array<gpu::Buffer, 2> moments_;
     gpu::Buffer field_;
 };
+
+/// Adds the seconds since it was last asked.
+class Lap {
+public:
+    void addTo(double& seconds)
+    {
+        const Clock::time_point now = Clock::now();
+        seconds += std::chrono::duration<double>(now - last_).count();
+        last_ = now;
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point last_ = Clock::now();
+};
+
+void denoiseOn(BakeDevice& device, const DenoiserTexels& texels, std::span<Signals> components, DenoiseSeconds& seconds)
+{
+    const auto some = [&](auto list) {
+        return std::ranges::any_of(components, [&](const Signals& signals) { return !(signals.*list).empty(); });
+    };
+    Lap lap;
+    DeviceRun run(device, texels, some(&Signals::direct), some(&Signals::moments));
+    lap.addTo(seconds.memory);
+    run.uploadTexels();
+    std::vector<Signals> denoised; // a device may be lost at any component
+    for (const Signals& component : components) {
+        run.upload(component);
+        lap.addTo(seconds.upload);
+        run.filter(component);
+        lap.addTo(seconds.filter);
+        denoised.push_back(run.download(component));
+        lap.addTo(seconds.download);
+    }
+    std::ranges::move(denoised, components.begin());
+}
 
 } // namespace
 
@@ -182,27 +214,17 @@ DenoisePipelines::DenoisePipelines(const gpu::Device& device)
       filter(device, bake_denoise_filter_comp, sizeof(DenoisePush))
 {}
 
-Result<Signals> denoisedOnDevice(BakeDevice& device, const DenoiserInput& input, DenoiseSeconds* seconds)
+Status denoiseOnDevice(BakeDevice& device, const DenoiserTexels& texels, std::span<Signals> components,
+                       DenoiseSeconds* seconds)
 {
     constexpr std::size_t kMostPlaces = std::size_t(1) << 31; // shaders count them by signed integers of 32 bits
-    if (input.grid.cells().size() >= kMostPlaces || input.map.pageCount > int(shading::kMostPages))
+    if (texels.grid.cells().size() >= kMostPlaces || texels.map.pageCount > int(shading::kMostPages))
         return Error{ErrorCode::Unsupported, "the lightmap has too many pages for the device's denoiser"};
-    using Clock = std::chrono::steady_clock;
-    std::array<Clock::time_point, 5> times{Clock::now()};
     try {
-        DeviceRun run(device, input);
-        times[1] = Clock::now();
-        run.upload();
-        times[2] = Clock::now();
-        run.filter();
-        times[3] = Clock::now();
-        Signals signals = run.download();
-        times[4] = Clock::now();
-        const auto between = [&](std::size_t i) {
-            return std::chrono::duration<double>(times[i + 1] - times[i]).count();
-        };
-        if (seconds != nullptr) *seconds = {between(0), between(1), between(2), between(3)};
-        return signals;
+        DenoiseSeconds own;
+        denoiseOn(device, texels, components, own);
+        if (seconds != nullptr) *seconds = own;
+        return {};
     } catch (const gpu::LimitReached& reached) {
         return Error{ErrorCode::Unsupported, reached.what()};
     } catch (const gpu::Failure& failure) {

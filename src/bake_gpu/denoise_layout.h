@@ -24,25 +24,15 @@ HL_CONST uint kCrossingBits = 0x1ffu;
 HL_CONST uint kHasSeams = 0x200u; // its chart has
 HL_CONST uint kIsValid = 0x400u;
 HL_CONST uint kIsWhole = 0x800u;
-HL_CONST uint kPageShift = 12u;
-HL_CONST uint kMostPages = 0x100000u;
+HL_CONST uint kHasFewSamples = 0x1000u; // fewer than prove that light is real
+HL_CONST uint kPageShift = 13u;
+HL_CONST uint kMostPages = 0x80000u;
 
 // As TexelPlace.
 struct GpuGuide {
     vec3 position;
     vec3 normal;
     float texelMeters;
-};
-
-// As IrradianceEstimate.
-struct GpuEstimate {
-    vec3 irradiance;
-    vec3 moment;
-    float varianceOfMean;
-    vec3 direct;
-    float varianceOfDirect;
-    uint samples;
-    uint valid; // its lowest byte
 };
 
 HL_NAMESPACE_END

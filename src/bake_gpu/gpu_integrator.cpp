@@ -48,7 +48,9 @@ IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device)
         return device->identity() + "-" + *cpu;
     };
     return {make, identity, std::make_shared<const IntegratorFactory>(embreeIntegrators()),
-            [device](const DenoiserInput& input) { return denoisedOnDevice(*device, input); },
+            [device](const DenoiserTexels& texels, std::span<Signals> components) {
+                return denoiseOnDevice(*device, texels, components);
+            },
             [device] { return device->device().memory().peakBytes(); }};
 }
 

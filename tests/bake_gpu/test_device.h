@@ -2,6 +2,8 @@
 // The device of these tests: Mesa's driver for the CPU with the validation layer, or the one that
 // HALFLIGHT_TEST_DEVICE names.
 
+#include "gpu/device.h"
+
 #include "halflight/bake_gpu/gpu_integrator.h"
 
 #include <gtest/gtest.h>
@@ -42,6 +44,31 @@ protected:
     }
     static inline std::shared_ptr<BakeDevice> device;
     static inline std::string why;
+};
+
+/// A function of the driver that fails at one of its calls.
+template<typename Function> class Fault;
+template<typename... Arguments> class Fault<VkResult(VKAPI_PTR*)(Arguments...)> {
+public:
+    using Function = VkResult(VKAPI_PTR*)(Arguments...);
+    Fault(Function& place, int call, VkResult result) : place_(place)
+    {
+        own = place;
+        left = call;
+        outcome = result;
+        place = &run;
+    }
+    ~Fault() { place_ = own; }
+    Fault(const Fault&) = delete;
+    Fault& operator=(const Fault&) = delete;
+    [[nodiscard]] static bool happened() { return left < 0; }
+
+private:
+    static VkResult VKAPI_PTR run(Arguments... arguments) { return left-- == 0 ? outcome : own(arguments...); }
+    Function& place_;
+    static inline Function own = nullptr;
+    static inline int left = 0;
+    static inline VkResult outcome = VK_SUCCESS;
 };
 
 } // namespace halflight::test

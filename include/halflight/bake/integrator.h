@@ -19,7 +19,7 @@
 namespace halflight {
 
 class PartFolder;
-struct DenoiserInput;
+struct DenoiserTexels;
 struct Signals;
 
 /// The intersection of a triangle and one texel's square.
@@ -283,8 +283,9 @@ public:
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };
 
-/// Denoises estimates of a lightmap on a device. After an error the processor does.
-using DeviceDenoiser = std::function<Result<Signals>(const DenoiserInput& input)>;
+/// Denoises light of components (spec S33) on a device, in its place. A bake without groups has one. After an error all
+/// of it is as it was. Unsupported: the map is not for the device. DeviceFailed: the device is lost.
+using DeviceDenoiser = std::function<Status(const DenoiserTexels& texels, std::span<Signals> components)>;
 
 /// A kind of integrator.
 struct IntegratorFactory {

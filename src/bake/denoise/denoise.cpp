@@ -293,23 +293,15 @@ void denoiseComponents(const DenoiserTexels& texels, std::span<Signals> componen
     }
 }
 
-Signals denoisedSignals(const DenoiserInput& input)
+Status denoiseComponents(const DenoiserTexels& texels, std::span<Signals> components, const DeviceDenoiser& device)
 {
-    const std::size_t count = input.estimates.size();
-    std::vector<uint8_t> valid = largeVector<uint8_t>(count);
-    std::vector<uint8_t> samples = largeVector<uint8_t>(count);
-    Signals signals;
-    signals.gathered = largeVector<NoisyLight>(count);
-    signals.direct = largeVector<NoisyLight>(input.hasDirect ? count : 0);
-    signals.moments = largeVector<vec3>(input.directions ? count : 0);
-    forEachIndex(count, [&](std::size_t i) {
-        const IrradianceEstimate& e = input.estimates[i];
-        valid[i] = e.valid ? 1 : 0;
-        samples[i] = DenoiserTexels::samplesOf(e);
-        signals.set(i, e);
-    });
-    denoiseComponents({input.geometry, input.map, input.grid, valid, samples}, std::span(&signals, 1));
-    return signals;
+    if (!device) {
+        denoiseComponents(texels, components);
+        return {};
+    }
+    Status status = device(texels, components);
+    if (!status && status.error().code == ErrorCode::Unsupported) denoiseComponents(texels, components);
+    return status;
 }
 
 Status denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,
@@ -317,14 +309,22 @@ Status denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<cons
 {
     const SurfaceGrid grid(map, seams);
     const bool hasDirect = anyOf(estimates, [](const auto& e) { return e.direct != vec3(0.0f); });
-    const DenoiserInput input{geometry, map, grid, estimates, hasDirect, directions};
-    Result<Signals> signals = device ? device(input) : denoisedSignals(input);
-    if (signals) {
-        writeTo(estimates, *signals);
-        return {};
-    }
-    if (signals.error().code == ErrorCode::Unsupported) writeTo(estimates, denoisedSignals(input));
-    return signals.error();
+    const std::size_t count = estimates.size();
+    std::vector<uint8_t> valid = largeVector<uint8_t>(count);
+    std::vector<uint8_t> samples = largeVector<uint8_t>(count);
+    Signals signals;
+    signals.gathered = largeVector<NoisyLight>(count);
+    signals.direct = largeVector<NoisyLight>(hasDirect ? count : 0);
+    signals.moments = largeVector<vec3>(directions ? count : 0);
+    forEachIndex(count, [&](std::size_t i) {
+        const IrradianceEstimate& e = estimates[i];
+        valid[i] = e.valid ? 1 : 0;
+        samples[i] = DenoiserTexels::samplesOf(e);
+        signals.set(i, e);
+    });
+    const Status status = denoiseComponents({geometry, map, grid, valid, samples}, std::span(&signals, 1), device);
+    if (status || status.error().code == ErrorCode::Unsupported) writeTo(estimates, signals);
+    return status;
 }
 
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,

@@ -16,17 +16,7 @@ namespace halflight {
 
 using shading::NoisyLight;
 
-/// The map that estimates are denoised on.
-struct DenoiserInput {
-    const BakeGeometry& geometry;
-    const TexelMap& map;
-    const SurfaceGrid& grid;
-    std::span<const IrradianceEstimate> estimates; ///< by texel
-    bool hasDirect = false;                        ///< some estimate has direct light of baked lights
-    bool directions = false;                       ///< first moments are filtered too
-};
-
-/// What the denoiser filters, by texel.
+/// What the denoiser filters of one component, by texel.
 struct Signals {
     std::vector<NoisyLight> gathered;
     std::vector<NoisyLight> direct; ///< empty where no light is fully baked
@@ -46,27 +36,28 @@ struct Signals {
     }
 };
 
-/// The processor's denoiser.
-Signals denoisedSignals(const DenoiserInput& input);
-
 /// What texels of a map have in common for all of their light.
 struct DenoiserTexels {
     const BakeGeometry& geometry;
     const TexelMap& map;
     const SurfaceGrid& grid;
     std::span<const uint8_t> valid;   ///< by texel: 1 = outside geometry
-    std::span<const uint8_t> samples; ///< by texel: samples(), of all light
+    std::span<const uint8_t> samples; ///< by texel: samplesOf(), of all light
     static uint8_t samplesOf(const IrradianceEstimate& estimate) { return uint8_t(std::min(estimate.samples, 255u)); }
 };
-/// Denoises light of several components (spec S33), each by weights of its own, as if it were the only one: what
-/// another one's edge would keep apart is not lost. Places, neighbours and taps are found once for all.
+/// Denoises light of components (spec S33) in its place, each by weights of its own, as if it were the only one: what
+/// another one's edge would keep apart is not lost. Places, neighbours and taps are found once for all. Gathered light
+/// of invalid texels becomes black. The other light of such texels stays.
 void denoiseComponents(const DenoiserTexels& texels, std::span<Signals> components);
+/// The same on a device; an empty one is the processor. Unsupported: the map is not for the device, and the processor
+/// denoised. DeviceFailed: nobody did, and the light is as it was.
+Status denoiseComponents(const DenoiserTexels& texels, std::span<Signals> components, const DeviceDenoiser& device);
 
 /// Edge-avoiding à-trous filter on the surface: within charts, and across their `seams` (denoise.cpp). Position, normal
 /// and variance guide it. `directions`: also filters first moments, for directional lightmaps.
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,
              std::vector<IrradianceEstimate>& estimates, bool directions = true);
-/// The same on a device. Unsupported: the map is not for it, and the processor denoised. DeviceFailed: nobody did.
+/// The same as denoiseComponents() does it with a device, of one component.
 Status denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,
                std::vector<IrradianceEstimate>& estimates, bool directions, const DeviceDenoiser& device);
 

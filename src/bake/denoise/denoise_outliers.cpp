@@ -73,9 +73,9 @@ bool isWhole(const OutlierField& field, uint32_t /*texel*/)
 {
     return field.whole;
 }
-uint32_t samplesOf(const OutlierField& field, uint32_t texel)
+bool hasFewSamples(const OutlierField& field, uint32_t texel)
 {
-    return field.texels.samples[texel];
+    return hasFewSamples(field.texels, texel);
 }
 const NoisyLight& statedLight(const OutlierField& field, uint32_t texel)
 {
@@ -111,6 +111,11 @@ std::vector<float> calibratedVariances(const DenoiserTexels& texels, const Signa
 bool isWhole(const TexelMap& map, const Texel& texel)
 {
     return coveredArea(map, texel) > kMostlyCovered && texel.validPoints == kAllPoints;
+}
+
+bool hasFewSamples(const DenoiserTexels& texels, std::size_t texel)
+{
+    return texels.samples[texel] < shading::kReliableSamples;
 }
 
 void clampSignals(const DenoiserTexels& texels, std::span<Signals> components)

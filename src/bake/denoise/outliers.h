@@ -3,7 +3,7 @@
 // (surface_walk.h), and these functions, besides NeighbourValues and those of neighbour_values.h:
 //   bool isValid(Field, uint texel)              outside geometry
 //   bool isWhole(Field, uint texel)              covered for the most part, with no sample point inside geometry
-//   uint samplesOf(Field, uint texel)            any number from kReliableSamples on where they are as many
+//   bool hasFewSamples(Field, uint texel)        fewer than kReliableSamples
 //   NoisyLight statedLight(Field, uint texel)    gathered light as the estimates state it
 //   NoisyLight scaledLight(Field, uint texel)    the same with the calibrated variance
 #ifndef HALFLIGHT_BAKE_OUTLIERS_H
@@ -178,7 +178,7 @@ HL_FN_OF(Field) ClampedTexel withoutOutlier(HL_IN(Field) field, uint texel)
     own.luminance = luminanceOf(clamped.light.irradiance);
     own.variance = clamped.light.variance;
     own.statedVariance = statedLight(field, texel).variance;
-    own.few = samplesOf(field, texel) < kReliableSamples;
+    own.few = hasFewSamples(field, texel);
     own.whole = isWhole(field, texel);
     clamped.light.variance = smoothedVariance(stats, values, own);
     clamped.before = own.luminance;
