@@ -231,6 +231,16 @@ private:
 
 } // namespace
 
+std::vector<vec3> besideProbes(const RayTracer& surfaces, std::span<const vec3> positions)
+{
+    constexpr float kEpsilons = 4.0f;             // so that it is more than one in each direction
+    const vec3 direction = {0.36f, 0.80f, 0.48f}; // along no plane that scenes are built of; up, off a floor
+    std::vector<vec3> beside(positions.size());
+    for (std::size_t i = 0; i < beside.size(); ++i)
+        beside[i] = positions[i] + kEpsilons * surfaces.epsilonAt(positions[i]) * direction;
+    return beside;
+}
+
 Status traceProbesOn(const DevicePaths& device, const PathTracer& paths, const IntegrationSettings& settings,
                      std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                      std::span<ProbeEstimate> out, std::span<SphericalHarmonicsL2> components, const Progress& progress,

@@ -6,11 +6,16 @@
 
 #include <atomic>
 #include <span>
+#include <vector>
 
 namespace halflight {
 
 /// Seed of shadow rays of masks and probes.
 constexpr uint32_t kShadowSeed = 0x5eed0001u;
+
+/// Where rays of probes start: 0.1 mm beside the probes in a scene of 12 m. Surfaces often lie in planes through the
+/// places of a regular grid. A ray from a point in a surface's plane may end on that surface at once, by rounding.
+std::vector<vec3> besideProbes(const RayTracer& surfaces, std::span<const vec3> positions);
 
 /// As Integrator::probes(); `components` is empty, or as of probesByComponent().
 Status traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,

@@ -82,10 +82,10 @@ public:
     {
         const auto device = devicePaths();
         if (!device) return device.error();
+        const std::vector<vec3> from = besideProbes(paths_.surfaces(), positions);
         if (*device != nullptr)
-            return traceProbesOn(**device, paths_, settings_, positions, which, samples, out, components, progress,
-                                 rays_);
-        return traceProbes(paths_, settings_, positions, which, samples, out, components, progress, rays_);
+            return traceProbesOn(**device, paths_, settings_, from, which, samples, out, components, progress, rays_);
+        return traceProbes(paths_, settings_, from, which, samples, out, components, progress, rays_);
     }
 
     Status radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,

@@ -14,6 +14,7 @@
 #include "transport/radiosity/split_patches.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iostream>
 #include <numeric>
@@ -173,8 +174,8 @@ TEST_F(DeviceRadiosityS6, PatchesOfFourTexels)
 /// Each call fails once.
 TEST_F(DeviceRadiosityS6, FaultsAreErrors)
 {
-    int left = -1; // calls until one fails
-    const auto fails = [&] { return left >= 0 && left-- == 0; };
+    std::atomic<int> left = -1; // calls until one fails, on any thread
+    const auto fails = [&] { return left-- == 0; };
     const auto failing = openBakeDevice({.name = testDeviceName(), .fails = fails});
     ASSERT_TRUE(failing) << failing.error().message;
     IntegrationSettings settings = settingsOf();

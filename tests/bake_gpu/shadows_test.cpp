@@ -6,6 +6,7 @@
 #include "bake_gpu/test_device.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 
@@ -163,8 +164,8 @@ TEST_F(DeviceShadowsS8, BytesRepeat)
 /// fail. Without a fault the masks are those of a device that never fails.
 TEST_F(DeviceShadowsS8, FaultsAreErrors)
 {
-    int left = -1; // calls until one fails
-    const auto fails = [&] { return left >= 0 && left-- == 0; };
+    std::atomic<int> left = -1; // calls until one fails, on any thread
+    const auto fails = [&] { return left-- == 0; };
     const auto failing = openBakeDevice({.name = testDeviceName(), .fails = fails});
     ASSERT_TRUE(failing) << failing.error().message;
     const Scene scene = room(false, true, false);

@@ -6,6 +6,7 @@
 #include "bake_gpu/test_device.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 
 namespace halflight::test::device_validity_test {
@@ -106,8 +107,8 @@ TEST_F(DeviceValidityS6, BytesRepeat)
 
 TEST_F(DeviceValidityS6, FaultsAreErrors)
 {
-    int left = -1; // calls until one fails
-    const auto fails = [&] { return left >= 0 && left-- == 0; };
+    std::atomic<int> left = -1; // calls until one fails, on any thread
+    const auto fails = [&] { return left-- == 0; };
     const auto failing = openBakeDevice({.name = testDeviceName(), .fails = fails});
     ASSERT_TRUE(failing) << failing.error().message;
     Bench bench(cutFloor(true), MixedLightingMode::Shadowmask, kSmallPage, {}, 1, gpuIntegrators(*failing));

@@ -17,7 +17,7 @@ struct BakeDeviceOptions {
     std::string name;        ///< part of the device's or its driver's name; empty: the best GPU, never a CPU driver
     bool validation = false; ///< Khronos validation layer with synchronization validation
     uint64_t mostBytes = 0;  ///< of the device's own memory that may be taken; 0 = no limit
-    /// For tests: asked before memory is taken and before commands are submitted. True: it fails as if the device had
+    /// For tests: asked, on any thread, before memory is taken and commands are submitted. True: as if the device had
     /// no memory left, or was lost.
     std::function<bool()> fails;
 };

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -160,6 +161,25 @@ TEST(ProbeS14, InsideASolidIsInvalid)
     addBox(scene, vec3(-1), vec3(1), addMaterial(scene, vec3(0.5f)), false);
     EXPECT_FALSE(probeAt(scene, vec3(0.3f), 64).valid);
     EXPECT_TRUE(probeAt(scene, vec3(0, 1.5f, 0), 64).valid);
+}
+
+/// A probe in the plane of a black sheet has the light of one of its sides: half of an even sky. Its rays do not end on
+/// the sheet at once.
+TEST(ProbeS14, InThePlaneOfASheetHasTheLightOfASide)
+{
+    for (const int normal : {0, 1, 2}) {
+        Scene scene;
+        scene.sky = {vec3(1), vec3(1), vec3(1)};
+        vec3 u(0.0f);
+        vec3 v(0.0f);
+        u[(normal + 1) % 3] = v[(normal + 2) % 3] = 200.0f;
+        addRectangle(scene, {-0.5f * (u + v), u, v}, addMaterial(scene, vec3(0), vec3(0), true), kPage);
+        const ProbeEstimate e = probeAt(scene, 0.001f * u + 0.002f * v, 4096);
+        EXPECT_NEAR(e.radiance[0].x, 0.5f * std::sqrt(4.0f * kPi), 0.05f) << normal;
+        EXPECT_NEAR(std::abs(e.radiance[std::array<std::size_t, 3>{3, 1, 2}[std::size_t(normal)]].x),
+                    0.25f * std::sqrt(12.0f * kPi), 0.05f)
+            << normal;
+    }
 }
 
 /// `--probe-layout grid`: as many probes as the grid has places, each where the format says, and those inside the box
