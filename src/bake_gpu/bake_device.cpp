@@ -105,10 +105,10 @@ std::string BakeDevice::identity() const
     return identity;
 }
 
-void BakeDevice::beginPipelines(bool tinted)
+void BakeDevice::beginPipelines(bool tinted, bool radiosity)
 {
     paths_[tinted ? 1 : 0].begin([this, tinted] { return pathPipeline(device_, tinted); });
-    radiosity_[tinted ? 1 : 0].begin([this, tinted] { return RadiosityPipelines(device_, tinted); });
+    if (radiosity) radiosity_[tinted ? 1 : 0].begin([this, tinted] { return RadiosityPipelines(device_, tinted); });
     if (tinted) tinted_.begin([this] { return tintedPipelines(device_); });
     shadows_.begin([this] { return ShadowPipelines(device_); });
     denoise_.begin([this] { return DenoisePipelines(device_); });

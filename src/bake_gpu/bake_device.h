@@ -55,8 +55,8 @@ public:
     [[nodiscard]] const gpu::ComputePipeline& gatherSources() const { return gatherSources_; }
     [[nodiscard]] const gpu::ComputePipeline& gatherSums() const { return gatherSums_; }
     /// Begins to make, on other threads, what nearly all bakes ask for later and a driver may compile for ten seconds.
-    /// `tinted`: of scenes whose glass has a colour.
-    void beginPipelines(bool tinted);
+    /// `tinted`: of scenes whose glass has a colour. `radiosity`: of bakes with a radiance cache.
+    void beginPipelines(bool tinted, bool radiosity);
     /// Whether some of them are not finished yet.
     [[nodiscard]] bool makesPipelines();
     /// Paths (shaders/bake/paths/paths.rgen), made when they are first asked for. Throws gpu::Failure.

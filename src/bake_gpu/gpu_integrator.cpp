@@ -34,7 +34,8 @@ IntegratorFactory gpuIntegrators(const std::shared_ptr<BakeDevice>& device)
     const auto make = [device](const Scene& scene, const BakeGeometry& geometry,
                                const IntegrationSettings& settings) -> Result<std::unique_ptr<Integrator>> {
         // A bake asks for one with few rays first, for its unwrapping.
-        device->beginPipelines(std::ranges::any_of(scene.materials, [](const Material& m) { return tintsLight(m); }));
+        device->beginPipelines(std::ranges::any_of(scene.materials, [](const Material& m) { return tintsLight(m); }),
+                               settings.integrator == IntegratorKind::Cache);
         if (settings.fewRays) return makeEmbreeIntegrator(scene, geometry, settings);
         Error error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
         auto integrator =

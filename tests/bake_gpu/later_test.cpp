@@ -44,13 +44,15 @@ TEST(LaterS6, IsMadeBesideTheCaller)
     EXPECT_FALSE(later.isMaking());
 }
 
-TEST(LaterS6, ThrowsInGetWhatMakingHasThrown)
+TEST(LaterS6, ThrowsWhatMakingHasThrownAndIsMadeAnew)
 {
-    const auto make = []() -> int { throw std::runtime_error("no memory"); };
+    const auto fail = []() -> int { throw std::runtime_error("no memory"); };
     Later<int> later;
-    later.begin(make);
-    EXPECT_THROW(later.get(make), std::runtime_error);
-    EXPECT_THROW(later.get(make), std::runtime_error);
+    later.begin(fail);
+    EXPECT_THROW(later.get(fail), std::runtime_error);
+    EXPECT_THROW(later.get(fail), std::runtime_error);
+    EXPECT_EQ(later.get([] { return 7; }), 7);
+    EXPECT_EQ(later.get(fail), 7);
 }
 
 } // namespace
