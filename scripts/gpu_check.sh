@@ -28,7 +28,7 @@ is_slow() { [[ "$name" =~ (lava|llvm)pipe ]]; }
 
 # Tests of a filter, a process for each four cores: their bakes are too small for all cores.
 run_tests() {
-  local count=$(((${cores:=$(nproc)} + 3) / 4)) failed=0 i
+  local count=$((($(nproc) + 3) / 4)) failed=0 i
   local shards=()
   for ((i = 0; i < count; ++i)); do
     GTEST_TOTAL_SHARDS=$count GTEST_SHARD_INDEX=$i HALFLIGHT_TEST_DEVICE=$name \

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
 
 namespace halflight::test::faults_test {
 namespace {
@@ -112,7 +111,7 @@ TEST_F(GpuFaults, EachFailureIsAnErrorS6)
             return bench.integrator->probes(std::vector{vec3(0, 1, 0)}, std::vector{0u}, 0, probe, {});
         };
         ASSERT_TRUE(statusFailingAt(0)); // makes pipelines, which stay
-        while (makesPipelines(**device)) std::this_thread::yield();
+        waitForPipelines(**device);
         ASSERT_TRUE(statusFailingAt(0));
         const int all = calls;
         ASSERT_GT(all, 10);

@@ -3,8 +3,8 @@
 
 #include "bake/denoise/component_signals.h"
 #include "bake/geometry/flatten.h"
+#include "bake/seams/patchwork_floor.h"
 #include "bake/seams/seams.h"
-#include "bake/test_scene.h"
 #include "bake/texels/rasterize.h"
 #include "bake/texels/texel_places.h"
 #include "bake_gpu/test_device.h"
@@ -28,20 +28,12 @@ struct Parts {
     bool directions = false;
 };
 
-/// A floor in four objects, and a wall on it. The floor's charts lie on the page turned, mirrored, at odd fractions of
-/// a texel, and coarser on another page.
+/// A patchwork floor, its coarser part on another page, and a wall on it.
 struct Floor {
     Floor()
     {
         const int grey = addMaterial(scene, vec3(0.5f));
-        addRectangle(scene, {vec3(0, 0, 4), vec3(2, 0, 0), vec3(0, 0, -4)}, grey, kFloorPage,
-                     {vec2(3.3f, 2.6f), vec2(23.3f, 42.6f)});
-        addRectangle(scene, {vec3(2.3f, 0, 4), vec3(0, 0, -4), vec3(-0.3f, 0, 0)}, grey, kFloorPage,
-                     {vec2(30.8f, 4.1f), vec2(70.8f, 7.1f)});
-        addRectangle(scene, {vec3(2.3f, 0, 4), vec3(3.7f, 0, 0), vec3(0, 0, -1.5f)}, grey, kFloorPage,
-                     {vec2(70.2f, 14.7f), vec2(33.2f, 29.7f)});
-        addRectangle(scene, {vec3(2.3f, 0, 2.5f), vec3(3.7f, 0, 0), vec3(0, 0, -2.5f)}, grey, kFloorPage,
-                     {vec2(34.9f, 40.3f), vec2(64.5f, 60.3f)});
+        addPatchworkFloor(scene, grey, kFloorPage);
         addRectangle(scene, {vec3(0, 0, 0), vec3(6, 0, 0), vec3(0, 2, 0)}, grey, kFloorPage,
                      {vec2(3.5f, 66.2f), vec2(63.5f, 86.2f)});
         scene.objects[3].lightmap.page = 1;

@@ -9,7 +9,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
-#include <thread>
 
 namespace halflight::test::device_shadows_test {
 namespace {
@@ -171,7 +170,7 @@ TEST_F(DeviceShadowsS8, FaultsAreErrors)
     ASSERT_TRUE(failing) << failing.error().message;
     const Scene scene = room(false, true, false);
     const std::vector<vec4> right = benchOn(gpuIntegrators(*failing), scene).shadowmask();
-    while (makesPipelines(**failing)) std::this_thread::yield(); // they ask, too
+    waitForPipelines(**failing);
     int failed = 0;
     for (int call = 0;; call += 2) {
         Bench bench = benchOn(gpuIntegrators(*failing), scene);

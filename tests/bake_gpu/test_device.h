@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <thread>
 
 namespace halflight::test {
 
@@ -45,6 +46,12 @@ protected:
     static inline std::shared_ptr<BakeDevice> device;
     static inline std::string why;
 };
+
+/// Until no other thread makes pipelines, which ask BakeDeviceOptions::fails too.
+inline void waitForPipelines(BakeDevice& device)
+{
+    while (makesPipelines(device)) std::this_thread::yield();
+}
 
 /// A function of the driver that fails at one of its calls.
 template<typename Function> class Fault;

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <thread>
 
 namespace halflight::test::device_validity_test {
 namespace {
@@ -114,7 +113,7 @@ TEST_F(DeviceValidityS6, FaultsAreErrors)
     ASSERT_TRUE(failing) << failing.error().message;
     Bench bench(cutFloor(true), MixedLightingMode::Shadowmask, kSmallPage, {}, 1, gpuIntegrators(*failing));
     const TexelMap right = bench.map;
-    while (makesPipelines(**failing)) std::this_thread::yield(); // they ask, too
+    waitForPipelines(**failing);
     int failed = 0;
     for (bool happened = true; happened;) {
         left = failed;

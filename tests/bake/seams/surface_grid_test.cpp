@@ -2,9 +2,9 @@
 
 #include "bake/denoise/denoise.h"
 #include "bake/geometry/flatten.h"
+#include "bake/seams/patchwork_floor.h"
 #include "bake/seams/seams.h"
 #include "bake/seams/surface_grid.h"
-#include "bake/test_scene.h"
 #include "bake/texels/rasterize.h"
 #include "bake/texels/texel_places.h"
 
@@ -20,23 +20,11 @@ namespace {
 constexpr int kPage = 96;
 constexpr float kTexel = 0.1f; ///< metres
 
-/// A floor of 6 m x 4 m in four objects: left, a narrow strip, and two on the right that the others' edges meet midway.
-/// Their charts lie on the page turned, mirrored, coarser, and at odd fractions of a texel.
 struct Kit {
     Kit()
     {
         const int grey = addMaterial(scene, vec3(0.5f));
-        addRectangle(scene, {vec3(0, 0, 4), vec3(2, 0, 0), vec3(0, 0, -4)}, grey, kPage,
-                     {vec2(3.3f, 2.6f), vec2(23.3f, 42.6f)});
-        // Turned by 90°: u goes along -z.
-        addRectangle(scene, {vec3(2.3f, 0, 4), vec3(0, 0, -4), vec3(-0.3f, 0, 0)}, grey, kPage,
-                     {vec2(30.8f, 4.1f), vec2(70.8f, 7.1f)});
-        // Mirrored on the page.
-        addRectangle(scene, {vec3(2.3f, 0, 4), vec3(3.7f, 0, 0), vec3(0, 0, -1.5f)}, grey, kPage,
-                     {vec2(70.2f, 14.7f), vec2(33.2f, 29.7f)});
-        // Of texels as wide as 1.25 others.
-        addRectangle(scene, {vec3(2.3f, 0, 2.5f), vec3(3.7f, 0, 0), vec3(0, 0, -2.5f)}, grey, kPage,
-                     {vec2(34.9f, 40.3f), vec2(64.5f, 60.3f)});
+        addPatchworkFloor(scene, grey, kPage);
         geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
         map = rasterizeTexels(geometry, kPage, 1);
         seams = findSeams(geometry, kPage);
