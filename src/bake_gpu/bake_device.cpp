@@ -27,11 +27,18 @@
 namespace halflight {
 namespace {
 
-gpu::RayPipeline pathPipeline(gpu::Device& device, bool tinted)
+Later<gpu::RayPipeline> pathPipeline(gpu::Device& device, bool tinted)
 {
-    const std::span<const uint32_t> generate = tinted ? std::span<const uint32_t>(bake_paths_paths_rgen_tinted)
-                                                      : std::span<const uint32_t>(bake_paths_paths_rgen);
-    return {device, {generate, nearestEnds(), throughEnds(tinted)}, uint32_t(sizeof(TracePush))};
+    return Later<gpu::RayPipeline>([&device, tinted]() -> gpu::RayPipeline {
+        const std::span<const uint32_t> generate = tinted ? std::span<const uint32_t>(bake_paths_paths_rgen_tinted)
+                                                          : std::span<const uint32_t>(bake_paths_paths_rgen);
+        return {device, {generate, nearestEnds(), throughEnds(tinted)}, uint32_t(sizeof(TracePush))};
+    });
+}
+
+Later<RadiosityPipelines> radiosityPipelines(gpu::Device& device, bool tinted)
+{
+    return Later<RadiosityPipelines>([&device, tinted] { return RadiosityPipelines(device, tinted); });
 }
 
 TintedPipelines tintedPipelines(gpu::Device& device)
@@ -53,7 +60,14 @@ BakeDevice::BakeDevice(const BakeDeviceOptions& options)
       fronts_(device_, {bake_fronts_rgen, nearestEnds()}, sizeof(TracePush)),
       transmittance_(device_, {bake_transmittance_rgen, throughEnds(false)}, sizeof(TracePush)),
       crossings_(device_, {bake_crossings_rgen, bake_crossings_rmiss, {}, bake_crossings_rahit}, sizeof(TracePush)),
-      validity_(device_, {bake_validity_rgen, nearestEnds()}, sizeof(TracePush))
+      validity_(device_, {bake_validity_rgen, nearestEnds()}, sizeof(TracePush)),
+      tinted_([this] { return tintedPipelines(device_); }), paths_{pathPipeline(device_, false),
+                                                                   pathPipeline(device_, true)},
+      emitters_([this] { return EmitterPipelines(device_); }),
+      components_([this] { return ComponentPipelines(device_); }),
+      denoise_([this] { return DenoisePipelines(device_); }),
+      shadows_([this] { return ShadowPipelines(device_); }), radiosity_{radiosityPipelines(device_, false),
+                                                                        radiosityPipelines(device_, true)}
 {
     constexpr uint32_t kPush = 2 * sizeof(VkDeviceAddress);
     gatherPoints_ = {device_, bake_gather_points_comp, kPush};
@@ -107,11 +121,11 @@ std::string BakeDevice::identity() const
 
 void BakeDevice::beginPipelines(bool tinted, bool radiosity)
 {
-    paths_[tinted ? 1 : 0].begin([this, tinted] { return pathPipeline(device_, tinted); });
-    if (radiosity) radiosity_[tinted ? 1 : 0].begin([this, tinted] { return RadiosityPipelines(device_, tinted); });
-    if (tinted) tinted_.begin([this] { return tintedPipelines(device_); });
-    shadows_.begin([this] { return ShadowPipelines(device_); });
-    denoise_.begin([this] { return DenoisePipelines(device_); });
+    paths_[tinted ? 1 : 0].begin();
+    if (radiosity) radiosity_[tinted ? 1 : 0].begin();
+    if (tinted) tinted_.begin();
+    shadows_.begin();
+    denoise_.begin();
 }
 
 bool BakeDevice::makesPipelines()
@@ -122,37 +136,37 @@ bool BakeDevice::makesPipelines()
 
 const TintedPipelines& BakeDevice::tinted()
 {
-    return tinted_.get([this] { return tintedPipelines(device_); });
+    return tinted_.get();
 }
 
 const gpu::RayPipeline& BakeDevice::paths(bool tinted)
 {
-    return paths_[tinted ? 1 : 0].get([this, tinted] { return pathPipeline(device_, tinted); });
+    return paths_[tinted ? 1 : 0].get();
 }
 
 const EmitterPipelines& BakeDevice::emitters()
 {
-    return emitters_.get([this] { return EmitterPipelines(device_); });
+    return emitters_.get();
 }
 
 const ComponentPipelines& BakeDevice::components()
 {
-    return components_.get([this] { return ComponentPipelines(device_); });
+    return components_.get();
 }
 
 const DenoisePipelines& BakeDevice::denoise()
 {
-    return denoise_.get([this] { return DenoisePipelines(device_); });
+    return denoise_.get();
 }
 
 const ShadowPipelines& BakeDevice::shadows()
 {
-    return shadows_.get([this] { return ShadowPipelines(device_); });
+    return shadows_.get();
 }
 
 const RadiosityPipelines& BakeDevice::radiosity(bool tinted)
 {
-    return radiosity_[tinted ? 1 : 0].get([this, tinted] { return RadiosityPipelines(device_, tinted); });
+    return radiosity_[tinted ? 1 : 0].get();
 }
 
 Result<std::shared_ptr<BakeDevice>> openBakeDevice(const BakeDeviceOptions& options)

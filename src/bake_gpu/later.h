@@ -2,20 +2,24 @@
 // A value that takes seconds to make, such as a pipeline that the driver has not compiled before.
 
 #include <chrono>
+#include <functional>
 #include <future>
 #include <mutex>
+#include <utility>
 
 namespace halflight {
 
 /// Any thread may call the functions.
 template<typename T> class Later {
 public:
+    explicit Later(std::function<T()> make) : make_(std::move(make)) {}
+
     /// Makes the value on a thread of its own from now on, unless it has begun.
-    template<typename Make> void begin(const Make& make) { making(std::launch::async, make); }
+    void begin() { making(std::launch::async); }
     /// The value. It is made now unless it has begun. Throws what make() has thrown; the next call makes it anew.
-    template<typename Make> const T& get(const Make& make)
+    const T& get()
     {
-        const auto [value, number] = making(std::launch::deferred, make);
+        const auto [value, number] = making(std::launch::deferred);
         try {
             return value.get();
         } catch (...) {
@@ -36,16 +40,17 @@ private:
         std::shared_future<T> value;
         int number = 0;
     };
-    template<typename Make> Making making(std::launch policy, const Make& make)
+    Making making(std::launch policy)
     {
         const std::lock_guard lock(mutex_);
         if (!value_.valid()) {
-            value_ = std::async(policy, make).share();
+            value_ = std::async(policy, make_).share();
             ++number_;
         }
         return {value_, number_};
     }
 
+    std::function<T()> make_;
     std::mutex mutex_; ///< guards what follows, not what is made
     std::shared_future<T> value_;
     int number_ = 0; ///< how often it has begun

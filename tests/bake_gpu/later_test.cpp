@@ -17,12 +17,12 @@ TEST(LaterS6, IsMadeOnceHoweverManyThreadsAsk)
 {
     std::atomic<int> made = 0;
     const auto make = [&] { return ++made; };
-    Later<int> later;
+    Later<int> later(make);
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([&, t] {
-            if (t % 2 == 0) later.begin(make);
-            EXPECT_EQ(later.get(make), 1);
+            if (t % 2 == 0) later.begin();
+            EXPECT_EQ(later.get(), 1);
         });
     for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(made, 1);
@@ -31,28 +31,29 @@ TEST(LaterS6, IsMadeOnceHoweverManyThreadsAsk)
 TEST(LaterS6, IsMadeBesideTheCaller)
 {
     std::latch caller(1);
-    Later<int> later;
-    EXPECT_FALSE(later.isMaking());
-    const auto make = [&] {
+    Later<int> later([&] {
         caller.wait();
         return 7;
-    };
-    later.begin(make);
+    });
+    EXPECT_FALSE(later.isMaking());
+    later.begin();
     EXPECT_TRUE(later.isMaking());
     caller.count_down();
-    EXPECT_EQ(later.get(make), 7);
+    EXPECT_EQ(later.get(), 7);
     EXPECT_FALSE(later.isMaking());
 }
 
 TEST(LaterS6, ThrowsWhatMakingHasThrownAndIsMadeAnew)
 {
-    const auto fail = []() -> int { throw std::runtime_error("no memory"); };
-    Later<int> later;
-    later.begin(fail);
-    EXPECT_THROW(later.get(fail), std::runtime_error);
-    EXPECT_THROW(later.get(fail), std::runtime_error);
-    EXPECT_EQ(later.get([] { return 7; }), 7);
-    EXPECT_EQ(later.get(fail), 7);
+    bool fails = true;
+    Later<int> later([&] { return fails ? throw std::runtime_error("no memory") : 7; });
+    later.begin();
+    EXPECT_THROW(later.get(), std::runtime_error);
+    EXPECT_THROW(later.get(), std::runtime_error);
+    fails = false;
+    EXPECT_EQ(later.get(), 7);
+    fails = true;
+    EXPECT_EQ(later.get(), 7);
 }
 
 } // namespace
