@@ -103,7 +103,7 @@ std::filesystem::path temporaryOf(const std::filesystem::path& file)
 }
 
 Status replaceAtomically(const std::filesystem::path& path,
-                         const std::function<Status(const std::filesystem::path& temporary)>& write)
+                         FunctionRef<Status(const std::filesystem::path& temporary)> write)
 {
     const Result<std::filesystem::path> file = replacedFile(path);
     if (!file) return file.error();

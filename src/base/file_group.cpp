@@ -12,7 +12,7 @@ FileGroup::~FileGroup()
 }
 
 Status FileGroup::add(const std::filesystem::path& file,
-                      const std::function<Status(const std::filesystem::path& temporary)>& write)
+                      FunctionRef<Status(const std::filesystem::path& temporary)> write)
 {
     if (!status_) return status_;
     const Result<std::filesystem::path> replaced = replacedFile(file);

@@ -67,7 +67,7 @@ int threadCount()
                     tbb::info::default_concurrency());
 }
 
-void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body)
+void parallelFor(std::size_t count, std::size_t grain, FunctionRef<void(std::size_t, std::size_t)> body)
 {
     if (count == 0) return;
     ForkAndJoin threads;
@@ -82,7 +82,7 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
     threads.joined();
 }
 
-void inIsolation(const std::function<void()>& body)
+void inIsolation(FunctionRef<void()> body)
 {
     tbb::this_task_arena::isolate([&] { body(); });
 }

@@ -5,7 +5,7 @@
 namespace halflight {
 
 bool parallelFor(std::size_t count, std::size_t grain, const Progress& progress, std::string_view stage,
-                 const std::function<void(std::size_t, std::size_t)>& body)
+                 FunctionRef<void(std::size_t, std::size_t)> body)
 {
     progress(stage, 0.0);
     std::mutex mutex;

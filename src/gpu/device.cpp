@@ -191,7 +191,7 @@ void waitForEarlier(const Device& device, VkCommandBuffer commands, VkPipelineSt
     device.vk.CmdPipelineBarrier2(commands, &dependency);
 }
 
-void Device::execute(const std::function<void(VkCommandBuffer)>& record)
+void Device::execute(FunctionRef<void(VkCommandBuffer)> record)
 {
     const std::lock_guard turn(executing_);
     if (fails_ && fails_()) check(VK_ERROR_DEVICE_LOST, "submit commands");

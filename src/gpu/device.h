@@ -2,6 +2,8 @@
 // The Vulkan device of one renderer or baker: instance, device, one queue, memory, and commands that are recorded,
 // submitted and waited for.
 
+#include "halflight/base/function_ref.h"
+
 #include "gpu/memory.h"
 #include "gpu/vulkan.h"
 
@@ -75,7 +77,7 @@ public:
 
     /// Records commands, submits them and waits until the device has done them. They begin after all commands that
     /// were submitted to the queue before. Any thread may call it; the calls take turns.
-    void execute(const std::function<void(VkCommandBuffer)>& record);
+    void execute(FunctionRef<void(VkCommandBuffer)> record);
 
     /// Waits until the device has done all that was submitted to it.
     void waitIdle() const;

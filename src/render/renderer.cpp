@@ -1,5 +1,6 @@
 #include "halflight/render/renderer.h"
 #include "halflight/base/finite.h"
+#include "halflight/base/function_ref.h"
 #include "halflight/base/rgb9e5.h"
 
 #include "render/passes/samples.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <new>
 
 namespace halflight {
@@ -23,7 +23,7 @@ constexpr int kMaxSupersampling = 4;
 constexpr uint32_t kMostPasses = 12;
 
 /// Runs `body`; a failing device or a full memory becomes an error.
-template<typename T> Result<T> guarded(const std::function<Result<T>()>& body)
+template<typename T> Result<T> guarded(FunctionRef<Result<T>()> body)
 {
     try {
         return body();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "halflight/base/function_ref.h"
 #include "halflight/base/result.h"
 
 #include <cstddef>
@@ -32,7 +33,7 @@ std::filesystem::path temporaryOf(const std::filesystem::path& file);
 /// Calls `write` with a temporary name beside replacedFile(path) and renames what it wrote, so that `path` is either
 /// the old file or the whole new one. A symbolic link stays one. On an error nothing is left under the temporary name.
 Status replaceAtomically(const std::filesystem::path& path,
-                         const std::function<Status(const std::filesystem::path& temporary)>& write);
+                         FunctionRef<Status(const std::filesystem::path& temporary)> write);
 
 /// The same for bytes that are there already. `mayReplace` is asked when they are written; false ends with
 /// ErrorCode::Cancelled and leaves nothing.

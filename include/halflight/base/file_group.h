@@ -1,10 +1,10 @@
 #pragma once
 
+#include "halflight/base/function_ref.h"
 #include "halflight/base/result.h"
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -21,8 +21,7 @@ public:
     ~FileGroup();
 
     /// Calls `write` with the temporary name. Errors name the file, and no later call of this group does anything.
-    Status add(const std::filesystem::path& file,
-               const std::function<Status(const std::filesystem::path& temporary)>& write);
+    Status add(const std::filesystem::path& file, FunctionRef<Status(const std::filesystem::path& temporary)> write);
     Status add(const std::filesystem::path& file, const void* bytes, std::size_t byteCount);
     Status add(const std::filesystem::path& file, std::string_view text);
 

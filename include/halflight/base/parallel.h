@@ -1,5 +1,6 @@
 #pragma once
 
+#include "halflight/base/function_ref.h"
 #include "halflight/base/progress.h"
 
 #include <algorithm>
@@ -29,13 +30,12 @@ private:
 int threadCount();
 
 /// Calls body(begin, end) on disjoint ranges that cover [0, count), `grain` items each at most, on all threads.
-void parallelFor(std::size_t count, std::size_t grain,
-                 const std::function<void(std::size_t begin, std::size_t end)>& body);
+void parallelFor(std::size_t count, std::size_t grain, FunctionRef<void(std::size_t begin, std::size_t end)> body);
 
 /// The same, reporting progress under `stage` as ranges finish. Returns false when it was cancelled: ranges not yet
 /// begun are then skipped.
 bool parallelFor(std::size_t count, std::size_t grain, const Progress& progress, std::string_view stage,
-                 const std::function<void(std::size_t begin, std::size_t end)>& body);
+                 FunctionRef<void(std::size_t begin, std::size_t end)> body);
 
 /// Calls body(i) for each i below `count`, on all threads. For short bodies: a thread takes 4096 at a time.
 template<typename Body> void forEachIndex(std::size_t count, const Body& body)
@@ -71,7 +71,7 @@ template<typename Wanted> std::vector<uint32_t> indicesWhere(std::size_t count, 
 
 /// Calls body(); while a parallelFor() in it waits for other threads, the calling thread takes up work of this body
 /// alone. For large items of an outer parallelFor(), of which a thread would otherwise begin one within another.
-void inIsolation(const std::function<void()>& body);
+void inIsolation(FunctionRef<void()> body);
 
 /// Functions that another thread runs, one after another, while the caller goes on; run() runs them where there is one
 /// thread. For long work of one thread beside stages that keep all others busy. The caller goes on inIsolation():

@@ -1,12 +1,15 @@
 // What the sources of this folder ask of musl's internal header of this name, and of newlib's math_config.h. Written
 // for this project: no long double, no exceptions, no errno, no directed rounding, no fused multiply-add. It leaves out
-// halflight/base/mathematics.h, which takes three times as long to read as one of these sources.
+// halflight/base/mathematics.h and <cmath>, which take a compiler several times as long as one of these sources.
 #pragma once
 
 #include <bit>
 #include <cfloat>
-#include <cmath>
 #include <cstdint>
+#include <limits>
+#ifndef __GNUC__
+#include <cmath>
+#endif
 
 #ifdef __FAST_MATH__
 #error "these functions give the same bits with exact arithmetic alone: no -ffast-math"
@@ -18,6 +21,9 @@
 #pragma STDC FP_CONTRACT OFF
 #endif
 
+#ifndef INFINITY
+#define INFINITY std::numeric_limits<float>::infinity()
+#endif
 #ifndef M_PI_2
 #define M_PI_2 1.57079632679489661923
 #endif
@@ -44,7 +50,43 @@
 namespace halflight::math {
 
 static_assert(FLT_EVAL_METHOD == 0, "float and double are computed in their own precision: SSE2, not x87");
+#ifdef __GNUC__
+// The C library's exact functions.
+inline float fabsf(float x)
+{
+    return __builtin_fabsf(x);
+}
+inline double fabs(double x)
+{
+    return __builtin_fabs(x);
+}
+inline float sqrtf(float x)
+{
+    return __builtin_sqrtf(x);
+}
+inline double sqrt(double x)
+{
+    return __builtin_sqrt(x);
+}
+inline double floor(double x)
+{
+    return __builtin_floor(x);
+}
+inline double ldexp(double x, int exponent)
+{
+    return __builtin_ldexp(x, exponent);
+}
+inline bool isnan(float x)
+{
+    return __builtin_isnan(x);
+}
+inline bool isnan(double x)
+{
+    return __builtin_isnan(x);
+}
+#else
 using std::isnan;
+#endif
 using float_t = float;
 using double_t = double;
 

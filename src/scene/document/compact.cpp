@@ -8,21 +8,21 @@
 namespace halflight {
 namespace {
 
-using Visit = std::function<void(Json&)>;
+using Visit = FunctionRef<void(Json&)>;
 
-void visitMember(Json& object, const char* key, const Visit& visit)
+void visitMember(Json& object, const char* key, Visit visit)
 {
     if (Json* index = find(object, key); index != nullptr && index->is_number_integer()) visit(*index);
 }
 
 // The calls below visit each reference to an element of an array.
 
-void visitMeshes(Json& document, const Visit& visit)
+void visitMeshes(Json& document, Visit visit)
 {
     each(find(document, "nodes"), [&](Json& node) { visitMember(node, "mesh", visit); });
 }
 
-void visitMaterials(Json& document, const Visit& visit)
+void visitMaterials(Json& document, Visit visit)
 {
     eachPrimitive(document, [&](Json& primitive) {
         visitMember(primitive, "material", visit);
@@ -34,7 +34,7 @@ void visitMaterials(Json& document, const Visit& visit)
 }
 
 // Members named ...Texture, those of extensions included.
-void visitTextureInfos(Json& json, const Visit& visit)
+void visitTextureInfos(Json& json, Visit visit)
 {
     if (!json.is_object()) return;
     for (auto& [key, value] : json.items()) {
@@ -43,12 +43,12 @@ void visitTextureInfos(Json& json, const Visit& visit)
     }
 }
 
-void visitTextures(Json& document, const Visit& visit)
+void visitTextures(Json& document, Visit visit)
 {
     each(find(document, "materials"), [&](Json& material) { visitTextureInfos(material, visit); });
 }
 
-void visitImages(Json& document, const Visit& visit)
+void visitImages(Json& document, Visit visit)
 {
     each(find(document, "textures"), [&](Json& texture) {
         visitMember(texture, "source", visit);
@@ -56,13 +56,12 @@ void visitImages(Json& document, const Visit& visit)
     });
 }
 
-void visitSamplers(Json& document, const Visit& visit)
+void visitSamplers(Json& document, Visit visit)
 {
     each(find(document, "textures"), [&](Json& texture) { visitMember(texture, "sampler", visit); });
 }
 
-void compactArray(Json& document, const char* array, bool onlyLast,
-                  const std::function<void(Json&, const Visit&)>& visitReferences)
+void compactArray(Json& document, const char* array, bool onlyLast, void (*visitReferences)(Json&, Visit))
 {
     Json* list = find(document, array);
     if (list == nullptr) return;

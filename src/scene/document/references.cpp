@@ -9,18 +9,18 @@ Json* find(Json& object, const char* key)
     return it == object.end() ? nullptr : &*it;
 }
 
-void each(Json* list, const std::function<void(Json&)>& visit)
+void each(Json* list, FunctionRef<void(Json&)> visit)
 {
     if (list == nullptr || !list->is_structured()) return;
     for (Json& item : *list) visit(item);
 }
 
-void eachPrimitive(Json& document, const std::function<void(Json&)>& visit)
+void eachPrimitive(Json& document, FunctionRef<void(Json&)> visit)
 {
     each(find(document, "meshes"), [&](Json& mesh) { each(find(mesh, "primitives"), visit); });
 }
 
-void visitAccessors(Json& document, const std::function<void(Json&)>& visit)
+void visitAccessors(Json& document, FunctionRef<void(Json&)> visit)
 {
     const auto visitMember = [&](Json& object, const char* key) {
         if (Json* index = find(object, key)) visit(*index);
@@ -53,7 +53,7 @@ void visitAccessors(Json& document, const std::function<void(Json&)>& visit)
     }
 }
 
-void visitViews(Json& document, const std::function<void(Json&)>& visit)
+void visitViews(Json& document, FunctionRef<void(Json&)> visit)
 {
     const auto visitMember = [&](Json& object) {
         if (Json* index = find(object, "bufferView")) visit(*index);

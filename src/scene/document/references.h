@@ -1,9 +1,9 @@
 #pragma once
 // Where a document refers to accessors and buffer views.
 
-#include "scene/document/document.h"
+#include "halflight/base/function_ref.h"
 
-#include <functional>
+#include "scene/document/document.h"
 
 namespace halflight {
 
@@ -15,14 +15,14 @@ inline constexpr const char* kProbeAccessors[] = {"positions",  "radiance",    "
 
 /// Calls visit(index) on every reference to an accessor or buffer view in the parts of glTF that this program knows;
 /// visit may change the index.
-void visitAccessors(Json& document, const std::function<void(Json&)>& visit);
-void visitViews(Json& document, const std::function<void(Json&)>& visit);
+void visitAccessors(Json& document, FunctionRef<void(Json&)> visit);
+void visitViews(Json& document, FunctionRef<void(Json&)> visit);
 
 /// The member of an object; null where there is none, or where it is no object.
 Json* find(Json& object, const char* key);
 /// The items of an array or object; of null, and of others, there are none.
-void each(Json* list, const std::function<void(Json&)>& visit);
+void each(Json* list, FunctionRef<void(Json&)> visit);
 /// Calls visit(primitive) on those of all meshes.
-void eachPrimitive(Json& document, const std::function<void(Json&)>& visit);
+void eachPrimitive(Json& document, FunctionRef<void(Json&)> visit);
 
 } // namespace halflight

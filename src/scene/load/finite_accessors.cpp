@@ -30,7 +30,7 @@ std::optional<std::size_t> firstNotFinite(const AccessorView& view)
 }
 
 /// Calls visit(index) on the accessors of tangents of a primitive's vertices and of its morph targets.
-void visitTangents(Json& primitive, const std::function<void(Json&)>& visit)
+void visitTangents(Json& primitive, FunctionRef<void(Json&)> visit)
 {
     const auto visitMember = [&](Json& attributes) {
         if (Json* index = find(attributes, kTangent)) visit(*index);
