@@ -1,6 +1,7 @@
 #include "bake_device.h"
 
 #include "console.h"
+#include "program.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/parallel.h"

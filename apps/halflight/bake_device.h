@@ -21,10 +21,6 @@ void addDeviceOptions(CLI::App& app, const char* name, DeviceChoice& choice);
 /// had, the processor. Else an error where the GPU that is asked for cannot be had.
 Result<IntegratorFactory> integratorsOn(const DeviceChoice& choice, const Scene& scene, const BakeSettings& settings);
 
-/// `code`. But where a driver still compiles what a bake that ended early has not come to use, the program ends here:
-/// exit() would take down what the driver's threads use.
-int leavingWith(int code);
-
 /// Of each device here a line that says whether it bakes, and else why it does not.
 std::string bakeDeviceText();
 

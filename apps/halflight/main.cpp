@@ -1,4 +1,3 @@
-#include "bake_device.h"
 #include "program.h"
 
 int main(int argc, char** argv)

@@ -10,4 +10,8 @@ using OpenWindow = int (*)(const ViewCommandOptions&);
 /// halflight-view, which has the command `view` alone; without, `view` starts halflight-view.
 int runProgram(int argc, char** argv, OpenWindow openWindow = nullptr);
 
+/// What main() does last: returns `code`. But where a driver still compiles what a bake that ended early has not come
+/// to use, the program ends here: exit() would take down what the driver's threads use.
+int leavingWith(int code);
+
 } // namespace halflight::cli

@@ -1,6 +1,5 @@
 // halflight-view: the window.
 
-#include "bake_device.h"
 #include "interrupt.h"
 #include "program.h"
 #include "terminal.h"
