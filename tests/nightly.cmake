@@ -7,7 +7,7 @@ set(HALFLIGHT_NIGHTLY
     [[cli\.(FullDisk|Glass|TextureSets|Streams|Reach|AllLayouts)]]
     [[package\.(bare_root|clean_roots|demo|launcher|consumer|small_build)]]
     # Browsers draw on the processor: shadows, sky, area lights, light groups, WebGPU, the viewer page.
-    [[web\.(browser_pictures|browser_webgpu|browser_use|browser_groups|keeps_bake)]]
+    [[web\.browser_(pictures|webgpu|surfaces|use|groups|viewer|viewer_rooms)]] [[web\.keeps_bake]]
     # Large worlds and high sample counts.
     [[.*HousesS14.*]]
     [[ProbeWorldsS14\.(Village|ProbesFollowSurfacesAndNotTheWorld)]]
@@ -23,8 +23,10 @@ set(HALFLIGHT_NIGHTLY
     [[MixedPicture.*]]
     [[OnePlaneS6S7.*]]
     [[.*WholeBakesS6.*]]
-    # A device that fails at every launch of a bake.
-    [[GpuFaults]]
+    # A device that fails at every launch of a bake; coloured glass and light groups on a device.
+    [[GpuFaults]] [[DeviceGlassS35]] [[DeviceGroupsS33]]
+    # Light groups with a cache, a farm and in pictures; every filter of shadow maps.
+    [[GroupCacheS33]] [[LightGroupPicturesS33]] [[ShadowFiltersS2]]
     [[ShowcaseS26.*]])
 list(JOIN HALFLIGHT_NIGHTLY "|" HALFLIGHT_NIGHTLY)
 set(HALFLIGHT_NIGHTLY "^(${HALFLIGHT_NIGHTLY})$")

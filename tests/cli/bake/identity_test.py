@@ -15,7 +15,7 @@ from farm_test import FarmCase
 
 ASSETS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "assets")
 SETS = ("sse2", "avx2", "avx512")
-# What lays out texels and probes is the same with few samples; their number changes light alone.
+# What lays out texels is the same with few samples; their number changes light alone.
 FEW = ["--quality", "preview", "--samples", "16", "--shadow-samples", "2", "--bounces", "1", "--reflection-probes", "off"]
 
 
@@ -50,7 +50,8 @@ def layout(path):
 
 
 class Layouts(Case):
-    """Charts, lightmap coordinates, pages, channels and the number of probes do not depend on the processor."""
+    """Charts, lightmap coordinates, pages and channels do not depend on the processor. Probes are closer together where
+    light changes, which noise decides for some: their number is the same within 1 %."""
 
     scenes = [os.path.join(ASSETS, "tests", name + ".glb") for name in ("sphere_on_floor", "closed_room", "bumpy_wall")]
     options = FEW
@@ -66,7 +67,7 @@ class Layouts(Case):
             self.assertIn(f"-{name}-", report["identity"])
             lightmap = {key: report["lightmap"][key] for key in ("charts", "cuts", "pages", "size", "coveredTexels")}
             channels = [(light["name"], light["channel"]) for light in report["lights"]]
-            found[name] = (lightmap, channels, report["triangles"], report["probes"]["count"]), output
+            found[name] = (lightmap, channels, report["triangles"]), report["probes"]["count"], output
         return found
 
     def test_are_those_of_each_instruction_set(self):
@@ -75,11 +76,12 @@ class Layouts(Case):
         for scene in self.scenes:
             with self.subTest(scene=os.path.basename(scene)):
                 found = self.reports(scene)
-                words, first = found[self.sets[0]]
+                words, probes, first = found[self.sets[0]]
                 for name in self.sets[1:]:
                     self.assertEqual(found[name][0], words, name)
-                    self.assertEqual(layout(found[name][1]), layout(first), name)
-                self.compare_pictures([found[name][1] for name in self.sets])
+                    self.assertAlmostEqual(found[name][1], probes, delta=0.01 * probes, msg=name)
+                    self.assertEqual(layout(found[name][2]), layout(first), name)
+                self.compare_pictures([found[name][2] for name in self.sets])
 
     def compare_pictures(self, files):
         pass
@@ -88,7 +90,7 @@ class Layouts(Case):
 class AllLayouts(Layouts):
     """The same of all the project's scenes, and their pictures: other rays give light that differs within its noise."""
 
-    options = ["--quality", "preview"]
+    options = ["--quality", "preview", "--lightmap-size", "512"]
 
     def setUp(self):
         super().setUp()

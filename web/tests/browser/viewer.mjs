@@ -13,24 +13,6 @@ import { differenceFromProgram } from '../viewer_picture.mjs';
 
 const VIEW = ['eye', 'target', 'fov', 'mode', 'view', 'distance', 'fade', 'exposure'];
 
-test('the viewer opens the showcase as its link says, and shows what the file holds', async () => {
-    const viewer = await open('#mode=distance-shadowmask&distance=20');
-    const { page, text } = viewer;
-    assert.equal(await page.inputValue('#modes input:checked'), 'distance-shadowmask');
-    assert.equal(await text('#distanceValue'), '20 m');
-    const disabled = await page.$$eval(
-        '#lights input[type=checkbox]',
-        (inputs) => inputs.filter((input) => input.disabled).length
-    );
-    assert.equal(disabled, 1, 'the fully baked light cannot be switched');
-    const statistics = await text('#statistics');
-    assert.match(statistics, /draw calls[1-9]/);
-    assert.match(statistics, /triangles[1-9]/);
-    for (const part of ['lightmaps', 'shadowmasks', 'probes'])
-        assert.match(statistics, new RegExp(`${part}[^M]*\\d\\.\\d\\d MB`), part);
-    await close(viewer);
-});
-
 test('the viewer: no frame without a change, and a link gives its view in a narrow window', async () => {
     const viewer = await open();
     const { page, drawn, link } = viewer;
