@@ -96,7 +96,7 @@ GpuPaths::GpuPaths(BakeDevice& device, const DeviceScene& scene, const PathTable
     tables_ = bufferOf(device.device(), std::span<const GatherAddresses>(&tables, 1));
 }
 
-Status GpuPaths::trace(const Batch& batch, const Use& use) const
+Status GpuPaths::trace(const Batch& batch, Use use) const
 {
     const std::size_t count = batch.items.size() * batch.pathsOfItem;
     assert(batch.items.size() <= kMostItems && count <= mostPaths(batch.byComponent ? components_ : 0));

@@ -16,7 +16,7 @@ public:
              int bounces);
     ~GpuPaths() override;
 
-    Status trace(const Batch& batch, const Use& use) const override;
+    Status trace(const Batch& batch, Use use) const override;
 
 private:
     struct Workspace;

@@ -1,13 +1,13 @@
 #pragma once
 // Whole paths of light to many points at once, on a device.
 
+#include "halflight/base/function_ref.h"
 #include "halflight/base/math.h"
 #include "halflight/base/result.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 
 namespace halflight {
@@ -64,7 +64,7 @@ public:
         std::span<const Emission> emissions;
         std::span<const vec3> components;
     };
-    using Use = std::function<void(const Light& light)>;
+    using Use = FunctionRef<void(const Light& light)>;
 
     static constexpr uint32_t kMostPaths = 1u << 18; ///< of one call: 25 MiB with emissions
     /// The same where so many components are asked for: at most 11 MiB of theirs.
@@ -79,7 +79,7 @@ public:
     }
 
     /// Traces a batch and calls use(), unless there is an error. Any thread may call it; a few calls run at one time.
-    virtual Status trace(const Batch& batch, const Use& use) const = 0;
+    virtual Status trace(const Batch& batch, Use use) const = 0;
 
     /// Traces paths 0 … `paths` - 1 of all items of a call, in several where one item has more than a call takes. Calls
     /// take(index of the item, arrival, emission, radiance of components) for each, in the order of items and paths.
