@@ -1,5 +1,5 @@
 # All sources of a module are compiled as one: what they include is read once, templates that they share are compiled
-# once. The largest take 1.7 GB of memory. The dev preset joins 8, so that an edit compiles little. The asan preset
+# once. The largest take 1.7 GB of memory. The dev preset joins 32, so that an edit compiles less. The asan preset
 # compiles each by itself, which shows what a file forgot to include.
 if(NOT DEFINED CMAKE_UNITY_BUILD)
     set(CMAKE_UNITY_BUILD ON)
@@ -73,17 +73,19 @@ function(halflight_module name)
     endif()
 endfunction()
 
-# halflight_test(NAME SOURCES … [LIBS …] [LABELS …] [TIMEOUT seconds] [SUITES]): one GoogleTest program; tests may include a
-# module's private headers. ctest runs each test in a process of its own, or each suite with SUITES.
+# halflight_test(NAME SOURCES … [LIBS …] [LABELS …] [TIMEOUT seconds] [SUITES] [INTEGRATES]): one GoogleTest program; tests
+# may include a module's private headers. ctest runs each test in a process of its own, or each suite with SUITES.
+# INTEGRATES: the tests themselves sum formulas over many samples.
 function(halflight_test name)
-    cmake_parse_arguments(ARG "SUITES" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+    cmake_parse_arguments(ARG "SUITES;INTEGRATES" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
     add_executable(test_${name} ${ARG_SOURCES})
     target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/tests)
     target_link_libraries(test_${name} PRIVATE halflight_options GTest::gtest_main GTest::gmock ${ARG_LIBS})
     # Names at file scope need to be unique in so many sources only.
-    set_target_properties(test_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 8)
-    # GoogleTest macros after a bare "if" are fine. Tests take a third less to compile with -O1, and no longer to run.
-    target_compile_options(test_${name} PRIVATE -Wno-dangling-else $<$<CONFIG:Release>:-O1>)
+    set_target_properties(test_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
+    # GoogleTest macros after a bare "if" are fine. Tests take a third less to compile with -Og than with -O1, and no
+    # longer to run, but for sums of their own: those would take up to ten times as long.
+    target_compile_options(test_${name} PRIVATE -Wno-dangling-else $<$<CONFIG:Release>:$<IF:$<BOOL:${ARG_INTEGRATES}>,-O1,-Og>>)
     target_compile_definitions(test_${name} PRIVATE
         HALFLIGHT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" HALFLIGHT_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared")
     if(NOT ARG_TIMEOUT)

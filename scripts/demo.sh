@@ -31,7 +31,7 @@ if [ -z "$halflight" ]; then
   fi
   step "build"
   cmake --preset release --log-level=WARNING
-  cmake --build --preset release --target halflight
+  cmake --build --preset release --target halflight --parallel "$(nproc)" # as in test.sh
   halflight=build/release/apps/halflight/halflight
 fi
 

@@ -10,6 +10,7 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/image.h"
 #include "halflight/scene/scene.h"
+#include "light_pose.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
@@ -123,15 +124,6 @@ inline void joinObjects(Scene& scene, std::size_t first)
         scene.meshes[first].parts.push_back(scene.meshes[i].parts[0]);
     scene.meshes.resize(first + 1);
     scene.objects.resize(first + 1);
-}
-
-/// A light's pose: at `position`, shining along `direction`.
-inline mat4 lightPose(vec3 position, vec3 direction)
-{
-    const vec3 z = -glm::normalize(direction);
-    const vec3 up = std::abs(z.y) < 0.99f ? vec3(0, 1, 0) : vec3(1, 0, 0);
-    const vec3 x = glm::normalize(glm::cross(up, z));
-    return {vec4(x, 0), vec4(glm::cross(z, x), 0), vec4(z, 0), vec4(position, 1)};
 }
 
 inline Light makeLight(LightType type, vec3 position, vec3 direction, float intensity, LightMode mode)

@@ -127,13 +127,6 @@ int addMaterial(Scene& scene, vec4 baseColor)
     return int(scene.materials.size()) - 1;
 }
 
-mat4 lightPose(vec3 position, vec3 direction)
-{
-    const vec3 z = -glm::normalize(direction);
-    const vec3 x = glm::normalize(glm::cross(std::abs(z.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0), z));
-    return mat4(vec4(x, 0), vec4(glm::cross(z, x), 0), vec4(z, 0), vec4(position, 1));
-}
-
 Light directionalLight(vec3 toLight, float lux)
 {
     Light light;

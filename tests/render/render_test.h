@@ -2,6 +2,7 @@
 // Scenes whose picture is known, and what is known about them.
 
 #include "halflight/render/renderer.h"
+#include "light_pose.h"
 
 #include <gtest/gtest.h>
 
@@ -63,8 +64,6 @@ int addObject(Scene& scene, Mesh mesh, const mat4& worldFromObject, bool isStati
 int addMaterial(Scene& scene, vec4 baseColor);
 
 Light directionalLight(vec3 toLight, float lux);
-/// Pose of a light at `position` that shines along `direction`.
-mat4 lightPose(vec3 position, vec3 direction);
 /// Marks a light as mixed by a bake, with this channel.
 void bakeAsMixed(Light& light, MixedLightingMode mode, int channel);
 
