@@ -35,9 +35,10 @@ nightly_of=(
   '^(blender|src/scene|scripts/package)' '^blender\.'
   '^(farm/|src/bake/(farm|cache))' '^cli\.(Farm|FarmTrouble|Slurm|Parallel)$'
   '^(scripts|cmake|packages|python)/|^(src/[^/]+/)?CMakeLists' '^package\.'
-  '^(src/view|apps)/' '^cli\.(View|ViewBake|InterruptAnywhere)$'
-  '^src/(base|scene)/' '^cli\.(FullDisk|Streams|Georeferenced|Chain|InterruptAnywhere)$|^Validator'
-  '^src/(bake|bake_cpu|bake_gpu|gpu|transport|unwrap|render)/' '^(cli\.(Truth|Boards|Pictures|Sheets|Glass|TextureSets|Reach)|[A-Z].*)$'
+  '^(src/view|apps)/' '^cli\.(View|ViewBake|InterruptAnywhere|RenderReports|Choices|ChangingGroups)$'
+  '^src/(base|scene)/' '^cli\.(FullDisk|Streams|Georeferenced|Chain|InterruptAnywhere)$|^Validator|RoundTrip'
+  '^src/(bake|bake_cpu|bake_gpu|gpu|transport|unwrap|render)/' '^cli\.(Truth|Boards|Pictures|Sheets|SharedSheets|Glass|TextureSets|Reach)$|^[A-Z]'
+  '^src/(bake|render|scene)/' '^cli\.(RenderReports|Choices|ChangingGroups|Emission|Variants|Identities|ReflectionProbes)$'
 )
 nightly_since() {
   local changed pattern=
@@ -81,7 +82,7 @@ fi
 if [ -d build/node_modules ]; then export HALFLIGHT_NODE_MODULES="$PWD/build/node_modules"; fi
 
 cmake --preset "$preset" --log-level=WARNING
-cmake --build --preset "$preset"
+cmake --build --preset "$preset" --parallel "$(nproc)" # Ninja would start two more, which take the others' caches
 log="build/$preset/ctest.log"
 status=0
 ctest --preset "$preset" -j2 2>&1 | tee "$log" || status=$?

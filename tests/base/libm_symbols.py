@@ -51,9 +51,9 @@ def self_test(libm, compiler):
                                 ("std::pow(2.0f, float(x))", True), ("std::fma(x, x, 1.0)", True),
                                 ("std::hypot(x, 2.0)", True)):  # fmt: skip
             source = pathlib.Path(folder) / "call.cpp"
-            source.write_text(f"#include <cmath>\n#include <string>\nstd::string call(double x)\n{{\n    return std::to_string({call});\n}}\n")
+            source.write_text(f"#include <cmath>\ndouble call(double x)\n{{\n    return {call};\n}}\n")
             target = source.with_suffix(".o")
-            subprocess.run([compiler, "-O2", "-fno-math-errno", "-c", source, "-o", target], check=True)
+            subprocess.run([compiler, "-std=c++14", "-O2", "-fno-math-errno", "-c", source, "-o", target], check=True)
             if bool(inexact(libm, [target])) != complaint:
                 return [f"{call}: {'is not noticed' if complaint else 'is exact'}"]
     return []

@@ -41,19 +41,22 @@ class Formats(Case):
         self.assert_one_sentence(result, 2, "--lightmap-format", "rgb9e5, half, webp")
 
 
-class LightGroups(Case):
-    """S33: --groups, compose and --group."""
-
+class GroupsCase(Case):
     ROOMS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../assets/tests/light_groups.glb")
 
-    def baked_groups(self, *options):
+    def baked_groups(self, *options, reflections="off"):
         output = self.path("baked.glb")
+        options = ["--reflection-probes", reflections, *options]
         result = run("bake", self.ROOMS, "-o", output, *QUICK, "-q", *options)
         self.assertEqual(result.returncode, 0, result.stderr)
         return output, json.loads(run("info", output, "--json").stdout)
 
+
+class LightGroups(GroupsCase):
+    """S33: --groups, compose and --group."""
+
     def test_groups_are_listed_composed_and_drawn(self):
-        baked, info = self.baked_groups()
+        baked, info = self.baked_groups(reflections="on")
         json_schema.check(info, "info_output")
         self.assertEqual([group["name"] for group in info["groups"]], ["lamp", "sun", "west", "east", "day"])
         self.assertEqual(json_of(baked)["extensions"]["HALFLIGHT_mixed_lighting"]["version"], 3)
@@ -80,12 +83,6 @@ class LightGroups(Case):
         self.assertEqual(run("optimize", baked, small).returncode, 0)
         self.assertEqual(run("compose", small, "-o", state, "-q", "--group", "sun=0").returncode, 0)
 
-    def test_each_and_off(self):
-        _, info = self.baked_groups("--groups", "each")
-        self.assertEqual(len(info["groups"]), 5, "three lights and the material in two rooms")
-        _, info = self.baked_groups("--groups", "off")
-        self.assertNotIn("groups", info)
-
     def test_what_is_wrong(self):
         baked, _ = self.baked_groups()
         out = ["-o", self.path("x.glb")]
@@ -98,6 +95,16 @@ class LightGroups(Case):
         self.assert_one_sentence(run("compose", baked, *out, "--sky", "blue"), 2, "--sky", "'blue'")
         unlit = ["--export", "unlit", "--groups", "each"]
         self.assert_one_sentence(run("bake", self.ROOMS, *out, *QUICK, *unlit), 2, "exports hold no light groups")
+
+
+class ChangingGroups(GroupsCase):
+    """S33, S34: groups of each light, in sidecars, of a sky that changes and a sun that turns."""
+
+    def test_each_and_off(self):
+        _, info = self.baked_groups("--groups", "each")
+        self.assertEqual(len(info["groups"]), 5, "three lights and the material in two rooms")
+        _, info = self.baked_groups("--groups", "off")
+        self.assertNotIn("groups", info)
 
     def test_a_sidecar_has_them_where_it_is_asked_to(self):
         for options, count in (([], 0), (["--groups", "authored"], 5)):

@@ -30,6 +30,63 @@ class Render(Case):
                         self.assert_one_sentence(result, 1, baked, "can only be drawn in")
                         self.assertFalse(os.path.exists(picture))
 
+    def test_lights_change_after_the_bake(self):
+        """S29: brightness and colour are taken as they come, in proportion; a turned or moved light is named."""
+        baked, _ = self.bake(self.scene(), "baked.glb")
+
+        def picture(*options):
+            path = self.path("picture.png")
+            result = run("render", baked, "-o", path, "--size", "64x48", "--exposure", "3", "--json", *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return decode_png(path)[2], json.loads(result.stdout)["warnings"], result.stderr
+
+        plain, warnings, _ = picture()
+        self.assertEqual(warnings, [])
+        brighter, warnings, errors = picture("--light", "sun:intensity=9,color=1,0.5,0.25")
+        self.assertEqual((warnings, errors), ([], ""))
+        self.assertNotEqual(plain, brighter)
+        self.assertGreater(sum(p[0] for row in brighter for p in row), sum(p[0] for row in plain for p in row))
+        turned, warnings, errors = picture("--light", "sun:direction=1,-1,0")
+        self.assertNotEqual(plain, turned)
+        self.assertEqual(len(warnings), 1)
+        for text in (warnings[0], errors):
+            self.assertIn('"sun"', text)
+            self.assertIn("out of step", text)
+        _, warnings, _ = picture("--light", "spot 0:position=0,3,2", "--mode", "distance-shadowmask")
+        self.assertEqual(len(warnings), 1)
+        self.assertIn('"spot 0"', warnings[0])
+        _, warnings, _ = picture("--light", "sun:direction=1,-1,0", "--mode", "realtime")
+        self.assertEqual(warnings, [], "in realtime mode nothing baked is read")
+
+    def test_cascade_splits_are_checked(self):
+        for splits in ("0.5,0.2", "0", "1", "0.1,0.2,0.3,0.4", "a", "0.1,,0.2"):
+            result = run("render", "x.glb", "-o", self.path("p.exr"), "--cascade-splits", splits)
+            self.assert_one_sentence(result, 2, "ascending numbers")
+        result = run("render", "x.glb", "-o", self.path("p.exr"), "--cascade-splits", "0.5", "--cascades", "4")
+        self.assert_one_sentence(result, 2, "--cascades 4 needs 3")
+
+    def test_plain_file_renders_in_realtime(self):
+        picture = self.path("picture.png")
+        view = ["--size", "64x64", "--eye=4,3,5", "--target=0,0,0"]
+        result = run("render", self.scene(), "-o", picture, *view, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(result.stdout)["mode"], "realtime")
+        _, _, rows = decode_png(picture)
+        self.assertGreater(max(max(pixel) for row in rows for pixel in row), 60)
+
+    def test_reference(self):
+        scene = self.scene()
+        first, second = self.path("a.exr"), self.path("b.exr")
+        options = ["--reference", "4", "--bounces", "2", "--size", "48x32", "--quiet"]
+        for output, threads in ((first, "1"), (second, "2")):
+            result = run("render", scene, "-o", output, *options, "--threads", threads)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(read(first), read(second))
+
+
+class RenderReports(Case):
+    """What a picture's summary, messages and debug views say of its lights."""
+
     def test_subtractive_mask_and_shadow_colour(self):
         """S22, S23: the main light's mask by default; the bake's colour unless the author or --shadow-color says another."""
         scene = self.scene()
@@ -59,34 +116,6 @@ class Render(Case):
         third, _ = self.bake(self.path("on.glb"), "third.glb", "--mode", "subtractive", "--cache", self.path("tiles"))
         self.assertEqual(read(again), read(third))
 
-    def test_lights_change_after_the_bake(self):
-        """S29: brightness and colour are taken as they come, in proportion; a turned or moved light is named."""
-        baked, _ = self.bake(self.scene(), "baked.glb")
-
-        def picture(*options):
-            path = self.path("picture.png")
-            result = run("render", baked, "-o", path, "--size", "64x48", "--exposure", "3", "--json", *options)
-            self.assertEqual(result.returncode, 0, result.stderr)
-            return decode_png(path)[2], json.loads(result.stdout)["warnings"], result.stderr
-
-        plain, warnings, _ = picture()
-        self.assertEqual(warnings, [])
-        brighter, warnings, errors = picture("--light", "sun:intensity=9,color=1,0.5,0.25")
-        self.assertEqual((warnings, errors), ([], ""))
-        self.assertNotEqual(plain, brighter)
-        self.assertGreater(sum(p[0] for row in brighter for p in row), sum(p[0] for row in plain for p in row))
-        turned, warnings, errors = picture("--light", "sun:direction=1,-1,0")
-        self.assertNotEqual(plain, turned)
-        self.assertEqual(len(warnings), 1)
-        for text in (warnings[0], errors):
-            self.assertIn('"sun"', text)
-            self.assertIn("out of step", text)
-        _, warnings, _ = picture("--light", "spot 0:position=0,3,2", "--mode", "distance-shadowmask")
-        self.assertEqual(len(warnings), 1)
-        self.assertIn('"spot 0"', warnings[0])
-        _, warnings, _ = picture("--light", "sun:direction=1,-1,0", "--mode", "realtime")
-        self.assertEqual(warnings, [], "in realtime mode nothing baked is read")
-
     def test_changes_that_do_not_show_are_said(self):
         """S29: each once, in the messages and in the JSON, on both paths, with what helps."""
         settings = self.path("settings.toml")
@@ -94,21 +123,20 @@ class Render(Case):
             file.write('[[light]]\npattern = "spot*"\nmode = "baked"\n')
         baked, _ = self.bake(self.scene(), "baked.glb", "--settings", settings)
         subtractive, _ = self.bake(self.scene(), "subtractive.glb", "--mode", "subtractive")
-        for file, options, words in (
-            (baked, ["--light", "spot 0:intensity=1"], ['"spot 0"', "no effect", "fully baked", "mixed"]),
-            (baked, ["--light", "spot 0:range=2"], ['"spot 0"', "range", "no effect"]),
-            (baked, ["--light", "sun:intensity=100"], ['"sun"', "factor of 20", "indirect multiplier of 0"]),
-            (subtractive, ["--light", "sun:color=1,0,0"], ['"sun"', "static objects", "shadowmask mode"]),
-            (subtractive, ["--light", "spot 0:intensity=70"], ['"spot 0"', "static objects"]),
+        for file, path, options, words in (
+            (baked, "forward", ["--light", "spot 0:intensity=1"], ['"spot 0"', "no effect", "fully baked", "mixed"]),
+            (baked, "deferred", ["--light", "spot 0:range=2"], ['"spot 0"', "range", "no effect"]),
+            (baked, "forward", ["--light", "sun:intensity=100"], ['"sun"', "factor of 20", "indirect multiplier of 0"]),
+            (subtractive, "deferred", ["--light", "sun:color=1,0,0"], ['"sun"', "static objects", "shadowmask mode"]),
+            (subtractive, "forward", ["--light", "spot 0:intensity=70"], ['"spot 0"', "static objects"]),
         ):
-            for path in ("forward", "deferred"):
-                with self.subTest(options=options, path=path):
-                    summary, errors = self.rendered(file, *options, "--path", path)
-                    self.assertEqual(len(summary["warnings"]), 1, summary["warnings"])
-                    self.assertEqual(errors.count("\n"), 1, errors)
-                    for word in words:
-                        self.assertIn(word, summary["warnings"][0])
-                        self.assertIn(word, errors)
+            with self.subTest(options=options, path=path):
+                summary, errors = self.rendered(file, *options, "--path", path)
+                self.assertEqual(len(summary["warnings"]), 1, summary["warnings"])
+                self.assertEqual(errors.count("\n"), 1, errors)
+                for word in words:
+                    self.assertIn(word, summary["warnings"][0])
+                    self.assertIn(word, errors)
         self.assertEqual(self.rendered(baked, "--light", "spot 0:intensity=1", "--mode", "realtime")[0]["warnings"], [])
         # As at the bake, and a setting that only a bake heeds.
         self.assertEqual(self.rendered(baked, "--settings", settings)[0]["warnings"], [])
@@ -148,13 +176,6 @@ class Render(Case):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn((255, 255, 255), {pixel for row in decode_png(overlap)[2] for pixel in row})
 
-    def test_cascade_splits_are_checked(self):
-        for splits in ("0.5,0.2", "0", "1", "0.1,0.2,0.3,0.4", "a", "0.1,,0.2"):
-            result = run("render", "x.glb", "-o", self.path("p.exr"), "--cascade-splits", splits)
-            self.assert_one_sentence(result, 2, "ascending numbers")
-        result = run("render", "x.glb", "-o", self.path("p.exr"), "--cascade-splits", "0.5", "--cascades", "4")
-        self.assert_one_sentence(result, 2, "--cascades 4 needs 3")
-
     def test_every_view(self):
         baked, _ = self.bake(self.scene(), "baked.glb")
         seen = set()
@@ -165,24 +186,6 @@ class Render(Case):
             self.assertEqual(decode_png(picture)[:2], (48, 48))
             seen.add(read(picture))
         self.assertEqual(len(seen), 8, "two views are the same picture")
-
-    def test_plain_file_renders_in_realtime(self):
-        picture = self.path("picture.png")
-        view = ["--size", "64x64", "--eye=4,3,5", "--target=0,0,0"]
-        result = run("render", self.scene(), "-o", picture, *view, "--json")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(json.loads(result.stdout)["mode"], "realtime")
-        _, _, rows = decode_png(picture)
-        self.assertGreater(max(max(pixel) for row in rows for pixel in row), 60)
-
-    def test_reference(self):
-        scene = self.scene()
-        first, second = self.path("a.exr"), self.path("b.exr")
-        options = ["--reference", "4", "--bounces", "2", "--size", "48x32", "--quiet"]
-        for output, threads in ((first, "1"), (second, "2")):
-            result = run("render", scene, "-o", output, *options, "--threads", threads)
-            self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(read(first), read(second))
 
 
 class Choices(Case):
