@@ -1,5 +1,5 @@
 # All sources of a module are compiled as one: what they include is read once, templates that they share are compiled
-# once. The largest take 1.7 GB of memory. Who edits all day joins fewer (CONTRIBUTING.md). The asan preset
+# once. The largest take 1.7 GB of memory. Whoever edits all day joins fewer (CONTRIBUTING.md). The asan preset
 # compiles each by itself, which shows what a file forgot to include.
 if(NOT DEFINED CMAKE_UNITY_BUILD)
     set(CMAKE_UNITY_BUILD ON)
@@ -83,9 +83,15 @@ function(halflight_test name)
     target_link_libraries(test_${name} PRIVATE halflight_options GTest::gtest_main GTest::gmock ${ARG_LIBS})
     # Names at file scope need to be unique in so many sources only.
     set_target_properties(test_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 32)
-    # GoogleTest macros after a bare "if" are fine. Tests take a third less to compile with -Og than with -O1, and no
-    # longer to run, but for sums of their own: those would take up to ten times as long.
-    target_compile_options(test_${name} PRIVATE -Wno-dangling-else $<$<CONFIG:Release>:$<IF:$<BOOL:${ARG_INTEGRATES}>,-O1,-Og>>)
+    # GoogleTest macros after a bare "if" are fine.
+    target_compile_options(test_${name} PRIVATE -Wno-dangling-else)
+    # Tests take a third less to compile with -Og than with -O1, and no longer to run, but for sums of their own: those
+    # would take up to ten times as long.
+    if(ARG_INTEGRATES)
+        halflight_cold(test_${name})
+    else()
+        halflight_cold(test_${name} -Og)
+    endif()
     target_compile_definitions(test_${name} PRIVATE
         HALFLIGHT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" HALFLIGHT_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared")
     if(NOT ARG_TIMEOUT)
