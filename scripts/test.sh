@@ -35,10 +35,10 @@ nightly_of=(
   '^(blender|src/scene|scripts/package)' '^blender\.'
   '^(farm/|src/bake/(farm|cache))' '^cli\.(Farm|FarmTrouble|Slurm|Parallel)$'
   '^(scripts|cmake|packages|python)/|^(src/[^/]+/)?CMakeLists' '^package\.'
-  '^(src/view|apps)/' '^cli\.(View|ViewBake|InterruptAnywhere|RenderReports|Choices|ChangingGroups)$'
-  '^src/(base|scene)/' '^cli\.(FullDisk|Streams|Georeferenced|Chain|InterruptAnywhere)$|^Validator|RoundTrip'
+  '^(src/view|apps)/' '^cli\.(View|ViewBake|InterruptAnywhere)$|^package\.python_module$'
+  '^src/(base|scene)/' '^cli\.(FullDisk|Streams|Georeferenced|Chain|InterruptAnywhere)$|^Validator|RoundTrip|SharedScenes'
   '^src/(bake|bake_cpu|bake_gpu|gpu|transport|unwrap|render)/' '^cli\.(Truth|Boards|Pictures|Sheets|SharedSheets|Glass|TextureSets|Reach)$|^[A-Z]'
-  '^src/(bake|render|scene)/' '^cli\.(RenderReports|Choices|ChangingGroups|Emission|Variants|Identities|ReflectionProbes)$'
+  '^(src|apps|include|shaders)/' '^cli\.(RenderReports|Choices|ChangingGroups|Emission|Variants|Identities|ReflectionProbes)$'
 )
 nightly_since() {
   local changed pattern=

@@ -44,9 +44,8 @@ class Formats(Case):
 class GroupsCase(Case):
     ROOMS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../assets/tests/light_groups.glb")
 
-    def baked_groups(self, *options, reflections="off"):
+    def baked_groups(self, *options):
         output = self.path("baked.glb")
-        options = ["--reflection-probes", reflections, *options]
         result = run("bake", self.ROOMS, "-o", output, *QUICK, "-q", *options)
         self.assertEqual(result.returncode, 0, result.stderr)
         return output, json.loads(run("info", output, "--json").stdout)
@@ -56,7 +55,7 @@ class LightGroups(GroupsCase):
     """S33: --groups, compose and --group."""
 
     def test_groups_are_listed_composed_and_drawn(self):
-        baked, info = self.baked_groups(reflections="on")
+        baked, info = self.baked_groups()
         json_schema.check(info, "info_output")
         self.assertEqual([group["name"] for group in info["groups"]], ["lamp", "sun", "west", "east", "day"])
         self.assertEqual(json_of(baked)["extensions"]["HALFLIGHT_mixed_lighting"]["version"], 3)
@@ -84,7 +83,7 @@ class LightGroups(GroupsCase):
         self.assertEqual(run("compose", small, "-o", state, "-q", "--group", "sun=0").returncode, 0)
 
     def test_what_is_wrong(self):
-        baked, _ = self.baked_groups()
+        baked, _ = self.baked_groups("--reflection-probes", "off")
         out = ["-o", self.path("x.glb")]
         self.assert_one_sentence(run("compose", baked, *out, "--group", "moon=1"), 1, "moon", "lamp, sun, west, east, day")
         self.assert_one_sentence(run("compose", baked, *out, "--group", "sun=-1"), 2, "--group", "sun=-1")
